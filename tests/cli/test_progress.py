@@ -1,0 +1,31 @@
+"""Progress is shown on a terminal, and only there."""
+
+import os
+import pty
+import sys
+
+from tp_jax.cli.progress import shown, silent
+
+
+def test_silent_elsewhere(capsys):
+    with shown(quiet=False) as progress:
+        progress("fitting", 0.5)
+        assert progress is silent
+    told = capsys.readouterr()
+    assert told.out == told.err == ""
+
+
+def test_shown_on_a_terminal(monkeypatch):
+    leader, follower = pty.openpty()
+    with open(follower, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        monkeypatch.setenv("TERM", "xterm")
+        with shown(quiet=True) as progress:
+            assert progress is silent
+        with shown(quiet=False) as progress:
+            progress("fitting", None)
+            progress("fitting", 0.5)
+            progress("screening", 0.1)
+        text = os.read(leader, 65536).decode()
+    os.close(leader)
+    assert "fitting" in text or "screening" in text

@@ -1,0 +1,89 @@
+"""The noise level is found under motion, kinks, rounding and jitter."""
+
+import numpy as np
+import pytest
+
+from tp_jax.recordings import noise_floor, noise_level
+
+T = 0.004 * np.arange(2500)
+SINE = 0.5 * np.sin(6.0 * np.pi * T)
+
+MOTIONS = {
+    "rest": 0.0 * T,
+    "sine": SINE,
+    "kinked acceleration": 0.5 * np.abs(np.sin(6.0 * np.pi * T)) * np.sin(6.0 * np.pi * T),
+    "kinked velocity": SINE + 0.02 * np.abs(np.sin(6.0 * np.pi * T + 0.3)),
+    "winding": SINE + 50.0 * T,
+    "start": SINE * (T > 0.5),
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("sigma", [1e-4, 1e-3, 1e-2])
+def test_white_noise(motion, sigma):
+    # the mean of four, since one level has a sampling error of 2.5 %
+    levels = [
+        noise_level(T, MOTIONS[motion] + sigma * np.random.default_rng(i).standard_normal(T.size))
+        for i in range(4)
+    ]
+    # 22 % of the highest differences meet a jump of the velocity, which no friction makes
+    allowed = 0.08 if motion == "kinked velocity" else 0.05
+    assert np.mean(levels) == pytest.approx(sigma, rel=allowed)
+
+
+def test_one_recording_within_five_per_cent():
+    noisy = MOTIONS["kinked acceleration"] + 1e-3 * np.random.default_rng(7).standard_normal(T.size)
+    assert noise_level(T, noisy) == pytest.approx(1e-3, rel=0.05)
+
+
+def test_jitter_lets_no_motion_through():
+    random = np.random.default_rng(0)
+    t = T + 4e-4 * random.uniform(-1.0, 1.0, T.size)
+    y = 0.5 * np.sin(6.0 * np.pi * t) + 1e-3 * random.standard_normal(T.size)
+    assert noise_level(t, y) == pytest.approx(1e-3, rel=0.06)
+
+
+def test_twenty_samples_a_period_need_a_high_order():
+    t = 0.1 * np.arange(4000)
+    y = 2.0 * np.sin(np.pi * t) + 3e-3 * np.random.default_rng(0).standard_normal(t.size)
+    assert noise_level(t, y) == pytest.approx(3e-3, rel=0.05)
+
+
+def test_rounding_counts_as_noise():
+    t = 0.1 * np.arange(4000)
+    y = 0.0109 * np.round(2.0 * np.sin(2.9 * t) / 0.0109)
+    assert noise_level(t, y) == pytest.approx(0.0109 / np.sqrt(12.0), rel=0.05)
+
+
+def test_stuck_reading_has_the_noise_of_its_rounding():
+    # slow, coarse: nine readings in ten repeat the one before
+    y = 0.01 * np.round(0.5 * np.sin(0.2 * T) / 0.01)
+    assert noise_level(T, y) == pytest.approx(0.01 / np.sqrt(12.0))
+
+
+def test_single_jumps_do_not_matter():
+    y = SINE + 1e-3 * np.random.default_rng(0).standard_normal(T.size)
+    y[[100, 900, 2000]] += 0.3
+    assert noise_level(T, y) == pytest.approx(1e-3, rel=0.05)
+
+
+def test_constant_has_none():
+    assert noise_level(T, np.full(T.size, 0.3)) == 0.0
+
+
+def test_too_few_samples():
+    with pytest.raises(ValueError, match="needs 4 samples or more, but there are 3"):
+        noise_level(T[:3], SINE[:3])
+
+
+def test_floor_pools_and_withstands_one_bad_recording(recording):
+    def noisy(seed, sigma):
+        return SINE + sigma * np.random.default_rng(seed).standard_normal(T.size)
+
+    runs = [recording(t=T, phi1=noisy(i, 1e-3), phi2=noisy(9 + i, 2e-3)) for i in range(6)]
+    runs[0] = recording(t=T, phi1=noisy(0, 0.1), phi2=noisy(9, 2e-3))
+    assert noise_floor(runs) == pytest.approx({"phi1": 1e-3, "phi2": 2e-3}, rel=0.04)
+
+
+def test_floor_of_a_single_pendulum(recording):
+    assert list(noise_floor([recording(phi2=None)])) == ["phi1"]

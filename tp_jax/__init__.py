@@ -1,0 +1,98 @@
+"""Differentiable modelling of a double torsion pendulum with friction, and its sim-to-real gap.
+
+    import tp_jax as tp
+
+    campaign = tp.load_campaign("case-02")  # a folder with a campaign.toml
+    diagnosis = tp.diagnose(campaign)       # where the gap lies, its cause, how far it shrinks
+    print(diagnosis.summary())
+
+The names below are looked up when first used, so that `import tp_jax` costs nothing and JAX is
+told to compute in 64 bits before any of its arrays exists.
+
+Data flows one way through the package:
+
+    acquisition -> recordings -> estimation (over model, effects, simulation)
+                -> sensitivity, gap -> report, cli
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from tp_jax._version import __version__ as __version__
+
+if TYPE_CHECKING:
+    from tp_jax import effects as effects
+    from tp_jax.errors import InputError as InputError
+    from tp_jax.estimation.identify import identify as identify
+    from tp_jax.gap.diagnosis import Diagnosis as Diagnosis
+    from tp_jax.gap.diagnosis import diagnose as diagnose
+    from tp_jax.gap.predict import predict as predict
+    from tp_jax.model import presets as presets
+    from tp_jax.model.pendulum import DoubleTorsionPendulum as DoubleTorsionPendulum
+    from tp_jax.model.pendulum import SingleTorsionPendulum as SingleTorsionPendulum
+    from tp_jax.recordings import Campaign as Campaign
+    from tp_jax.recordings import CampaignError as CampaignError
+    from tp_jax.recordings import Recording as Recording
+    from tp_jax.recordings import load_campaign as load_campaign
+    from tp_jax.simulation.solve import Trajectory as Trajectory
+    from tp_jax.simulation.solve import simulate as simulate
+
+# name -> (module, attribute; None for the module itself)
+_WITHOUT_JAX = {
+    "Campaign": ("tp_jax.recordings", "Campaign"),
+    "CampaignError": ("tp_jax.recordings", "CampaignError"),
+    "InputError": ("tp_jax.errors", "InputError"),
+    "Recording": ("tp_jax.recordings", "Recording"),
+    "load_campaign": ("tp_jax.recordings", "load_campaign"),
+}
+_WITH_JAX = {
+    "Diagnosis": ("tp_jax.gap.diagnosis", "Diagnosis"),
+    "DoubleTorsionPendulum": ("tp_jax.model.pendulum", "DoubleTorsionPendulum"),
+    "SingleTorsionPendulum": ("tp_jax.model.pendulum", "SingleTorsionPendulum"),
+    "Trajectory": ("tp_jax.simulation.solve", "Trajectory"),
+    "diagnose": ("tp_jax.gap.diagnosis", "diagnose"),
+    "effects": ("tp_jax.effects", None),
+    "identify": ("tp_jax.estimation.identify", "identify"),
+    "predict": ("tp_jax.gap.predict", "predict"),
+    "presets": ("tp_jax.model.presets", None),
+    "simulate": ("tp_jax.simulation.solve", "simulate"),
+}
+
+__all__ = [
+    "Campaign",
+    "CampaignError",
+    "Diagnosis",
+    "DoubleTorsionPendulum",
+    "InputError",
+    "Recording",
+    "SingleTorsionPendulum",
+    "Trajectory",
+    "__version__",
+    "diagnose",
+    "effects",
+    "identify",
+    "load_campaign",
+    "predict",
+    "presets",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _WITH_JAX:
+        from tp_jax._config import use_float64
+
+        use_float64()
+        module, attribute = _WITH_JAX[name]
+    elif name in _WITHOUT_JAX:
+        module, attribute = _WITHOUT_JAX[name]
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    loaded = import_module(module)
+    value = loaded if attribute is None else getattr(loaded, attribute)
+    globals()[name] = value  # looked up once
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,62 @@
+"""Settings of JAX that the package's own entry points make, and its tests; nothing else does.
+
+A library that is merely imported should not change JAX for everybody else, so this happens when
+one of the package's names that computes is first used (`tp_jax.__getattr__`), or in the command
+line. JAX itself is imported inside the functions: `tp-jax --help` does not wait for it.
+
+Two environment variables matter:
+
+`EQX_ON_ERROR`
+    diffrax's checks of its own results keep a compiled program out of JAX's persistent cache
+    unless this is `nan` (or `off`) *before* equinox is imported. The command line sets it first
+    thing, and so does whoever wants the cache in a script of their own. Under it a failed solve
+    does not raise: it yields NaN, and the solver's result says why.
+`TP_JAX_CACHE`
+    `off` keeps compiled programs in memory only.
+"""
+
+import os
+from pathlib import Path
+
+CACHED_ABOVE = 0.3
+"""Seconds of compilation from which on a program is kept in the persistent cache."""
+
+
+def use_float64() -> None:
+    """Let JAX compute in 64 bits: at 32 the solver's error is above the sensors' noise."""
+    import jax
+
+    if not jax.config.read("jax_enable_x64"):
+        jax.config.update("jax_enable_x64", True)
+
+
+def cache_folder() -> Path:
+    """Where compiled programs are kept between runs: the user's cache folder."""
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    # the XDG specification: a path that is not absolute counts as absent
+    home = Path(base) if os.path.isabs(base) else Path.home() / ".cache"
+    return home / "tp-jax" / "xla"
+
+
+def enable_compilation_cache() -> bool:
+    """Keep compiled programs between runs; says whether that could be arranged.
+
+    To be called before the first array exists. A folder that cannot be made or written to is no
+    reason to stop: the programs are then compiled anew.
+    """
+    if os.environ.get("TP_JAX_CACHE", "").lower() == "off":
+        return False
+    try:
+        folder = cache_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):  # RuntimeError: no home to speak of
+        return False
+    if not os.access(folder, os.W_OK | os.X_OK):
+        return False
+
+    import jax
+
+    jax.config.update("jax_compilation_cache_dir", str(folder))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", CACHED_ABOVE)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", 0)
+    return True

@@ -1,0 +1,56 @@
+"""The command line, `tp-jax`: one file per command, each with `add_parser` and `run`.
+
+Only the standard library is imported until a command runs, so that `--help` answers at once.
+
+Exit codes: 0 done; 2 bad input, with one sentence on standard error; 1 a fault of ours; 130
+interrupted.
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+
+from tp_jax.cli.arguments import Parser
+from tp_jax.cli.faults import explain
+
+
+def build_parser() -> Parser:
+    from tp_jax._version import __version__
+    from tp_jax.cli import diagnose, identify, predict, simulate
+
+    parser = Parser(
+        prog="tp-jax",
+        description=(
+            "Models a double torsion pendulum with friction and diagnoses its sim-to-real gap: "
+            "where it lies, which effect causes it, how far it shrinks."
+        ),
+        epilog="`tp-jax COMMAND --help` describes a command.",
+    )
+    parser.add_argument("--version", action="version", version=f"tp-jax {__version__}")
+    parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
+    parser.add_argument("--quiet", action="store_true", help="print results and faults only")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for command in (simulate, identify, diagnose, predict):
+        command.add_parser(subparsers)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs one command; returns its exit code."""
+    os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
+    try:
+        args = build_parser().parse_args(argv)
+    except SystemExit as done:  # --help, --version, or a fault that argparse has told already
+        return int(done.code or 0)
+    try:
+        args.run(args)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        print("tp-jax: interrupted.", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader has gone, as in `tp-jax simulate | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except Exception as fault:
+        return explain(fault, debug=args.debug)
+    return 0

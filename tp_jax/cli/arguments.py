@@ -1,0 +1,182 @@
+"""The parser, the kinds of arguments, and the arguments that several commands share."""
+
+import argparse
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from tp_jax.errors import InputError
+
+if TYPE_CHECKING:
+    from tp_jax.recordings import Campaign
+
+MOST_SAMPLES = 10_000_000
+
+
+class Parser(argparse.ArgumentParser):
+    """Tells a fault in one sentence, without the usage before it."""
+
+    def __init__(self, **options: Any):
+        super().__init__(allow_abbrev=False, **options)
+
+    def error(self, message: str) -> NoReturn:
+        # "argument --rate: must be ..." -> "Argument --rate must be ..."
+        message = re.sub(r"^argument ([^:]+): must ", r"argument \1 must ", message)
+        sentence = message[:1].upper() + message[1:].rstrip(".")
+        self.exit(2, f"tp-jax: {sentence}; see {self.prog} --help.\n")
+
+
+# Kinds of values -----------------------------------------------------------------------------
+
+
+def number(text: str) -> float:
+    """A finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"must be a number, but is {text!r}")
+    return value
+
+
+def positive(text: str) -> float:
+    """A finite number above zero."""
+    value = number(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"must be above zero, but is {text}")
+    return value
+
+
+def non_negative(text: str) -> float:
+    """A finite number, zero or above."""
+    value = number(text)
+    if value < 0.0:
+        raise argparse.ArgumentTypeError(f"must not be negative, but is {text}")
+    return value
+
+
+def whole(text: str, *, least: int = 0) -> int:
+    """A whole number, `least` or above."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = None
+    if value is None or value < least:
+        raise argparse.ArgumentTypeError(f"must be a whole number from {least} up, but is {text!r}")
+    return value
+
+
+def count(text: str) -> int:
+    """A whole number above zero."""
+    return whole(text, least=1)
+
+
+def fixed(text: str) -> tuple[str, float]:
+    """NAME=V."""
+    name, equals, value = text.partition("=")
+    if not (name and equals):
+        raise argparse.ArgumentTypeError(f"must have the form NAME=V, but is {text!r}")
+    try:
+        return name, number(value)
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(
+            f"must give {name} a number, but gives it {value!r}"
+        ) from None
+
+
+def bounded(text: str) -> tuple[str, tuple[float, float]]:
+    """NAME=LO:HI."""
+    name, equals, span = text.partition("=")
+    low, colon, high = span.partition(":")
+    if not (name and equals and colon):
+        raise argparse.ArgumentTypeError(f"must have the form NAME=LO:HI, but is {text!r}")
+    try:
+        bounds = number(low), number(high)
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(
+            f"must bound {name} by two numbers LO:HI, but has {span!r}"
+        ) from None
+    if not bounds[0] < bounds[1]:
+        raise argparse.ArgumentTypeError(
+            f"must bound {name} from below by less than from above, but has {span!r}"
+        )
+    return name, bounds
+
+
+def named(pairs: list[tuple[str, Any]], option: str) -> dict[str, Any]:
+    """The pairs of a repeated option as a dict; no name may come twice."""
+    values: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in values:
+            raise InputError(f"Argument {option} must name {name} only once.")
+        values[name] = value
+    return values
+
+
+def sample_count(duration: float, rate: float) -> int:
+    """Samples from 0 to `duration` at `rate`, both ends included."""
+    intervals = round(min(duration * rate, 2.0 * MOST_SAMPLES))
+    if not 1 <= intervals < MOST_SAMPLES:
+        raise InputError(
+            f"Arguments --duration and --rate must give between 2 and {MOST_SAMPLES} samples, "
+            f"but {duration:g} s at {rate:g} Hz give {duration * rate + 1:.3g}."
+        )
+    return intervals + 1
+
+
+# Arguments shared by commands ----------------------------------------------------------------
+
+
+def add_common(parser: argparse.ArgumentParser) -> None:
+    """--quiet and --debug also after the command; absent there, what came before it stands."""
+    parser.add_argument(
+        "--quiet", action="store_true", default=argparse.SUPPRESS, help="no summary, no progress"
+    )
+    parser.add_argument(
+        "--debug",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="show the traceback of a fault",
+    )
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--json", metavar="F", help="write the result as JSON; - : to standard output, alone"
+    )
+
+
+def add_seed(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--seed", metavar="N", type=whole, default=0, help="same seed, same result (default 0)"
+    )
+
+
+def add_campaign(parser: argparse.ArgumentParser, *, default: str | None = None) -> None:
+    """CAMPAIGN, and how a single file was driven."""
+    text = "a folder with a campaign.toml, or one recording (then --omega or --decay is needed)"
+    if default is None:
+        parser.add_argument("campaign", metavar="CAMPAIGN", help=text)
+    else:
+        parser.add_argument(
+            "campaign", metavar="CAMPAIGN", nargs="?", help=f"{text}; default: {default}"
+        )
+    drive = parser.add_mutually_exclusive_group()
+    drive.add_argument(
+        "--omega",
+        metavar="W",
+        type=non_negative,
+        help="the one recording was driven at W rad/s",
+    )
+    drive.add_argument(
+        "--decay", action="store_true", help="the one recording is a free decay, motor at rest"
+    )
+
+
+def load(args: argparse.Namespace, path: str | Path) -> "Campaign":
+    """The campaign that `add_campaign`'s arguments speak of."""
+    from tp_jax.recordings import load_campaign
+
+    return load_campaign(path, omega=args.omega, decay=args.decay)

@@ -1,0 +1,63 @@
+"""tp-jax diagnose: where the gap lies, which effect causes it, how far it shrinks."""
+
+import argparse
+from pathlib import Path
+
+from tp_jax.cli.arguments import add_campaign, add_common, add_json, add_seed, load
+
+EXAMPLE = Path(__file__).parent.parent / "examples" / "case-02"
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    parser = subparsers.add_parser(
+        "diagnose",
+        help="find where the gap lies, what causes it, how far it shrinks",
+        description=(
+            "Diagnoses the gap between the model and a campaign of recordings; writes a report "
+            "to be read and a diagnosis.json that `tp-jax predict` continues from."
+        ),
+    )
+    add_campaign(parser, default="the example that comes with the package")
+    parser.add_argument(
+        "--out", metavar="DIR", help="gets report.html and diagnosis.json (./NAME-diagnosis)"
+    )
+    add_seed(parser)
+    add_json(parser)
+    add_common(parser)
+    parser.set_defaults(run=run)
+
+
+def default_folder(name: str) -> Path:
+    """./NAME-diagnosis; a name that speaks of folders stays one folder here."""
+    flat = name.replace("/", "-").replace("\\", "-").strip(". ")
+    return Path(f"{flat or 'campaign'}-diagnosis")
+
+
+def run(args: argparse.Namespace) -> None:
+    campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
+
+    import tp_jax as tp
+    from tp_jax._config import enable_compilation_cache
+    from tp_jax.cli.output import plain, ready, replaced, write_json
+    from tp_jax.cli.progress import shown
+
+    folder = default_folder(campaign.name) if args.out is None else Path(args.out)
+    report = folder / "report.html"
+    ready(report, args.json)
+
+    enable_compilation_cache()
+    with shown(quiet=args.quiet) as progress:
+        diagnosis = tp.diagnose(campaign, seed=args.seed, progress=progress)
+        result = plain(diagnosis.to_dict())
+        write_json(folder / "diagnosis.json", result)
+
+        from tp_jax.report.html import write_report
+
+        progress("writing the report", None)
+        with replaced(report) as part:
+            write_report(result, part)
+    if args.json is not None:
+        write_json(args.json, result)
+    if args.json != "-" and not args.quiet:
+        print(diagnosis.summary())
+        print(f"\nReport: {report}")

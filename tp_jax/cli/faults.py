@@ -1,0 +1,27 @@
+"""What the user is told when a command fails, and the exit code."""
+
+import sys
+import traceback
+
+from tp_jax.errors import InputError
+
+
+def explain(fault: Exception, *, debug: bool) -> int:
+    """Prints one sentence on standard error (with `debug` the traceback before it).
+
+    Returns:
+        2 where the input is to be mended, 1 where the fault is ours.
+    """
+    if debug:
+        traceback.print_exception(fault)
+    if isinstance(fault, InputError):  # CampaignError is one
+        print(f"tp-jax: {_one_line(str(fault))}", file=sys.stderr)
+        return 2
+    what = _one_line(f"{type(fault).__name__}: {fault}").rstrip(".: ")
+    hint = "" if debug else "; rerun with --debug for the traceback"
+    print(f"tp-jax: A fault of ours, {what}{hint}.", file=sys.stderr)
+    return 1
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

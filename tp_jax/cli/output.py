@@ -1,0 +1,134 @@
+"""Writing results: each file appears whole or not at all, and JSON has no NaN."""
+
+import json
+import math
+import os
+import stat
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tp_jax.errors import InputError
+
+if TYPE_CHECKING:
+    from tp_jax.simulation.solve import Trajectory
+
+STANDARD_OUTPUT = "-"
+
+
+@contextmanager
+def replaced(target: str | Path) -> Iterator[Path]:
+    """A path to write to; what was written takes the target's place when the block ends well.
+
+    Missing folders are made. A target that is no regular file (/dev/null, a pipe) is written to
+    directly. What the file system refuses at this place is an `InputError`.
+    """
+    path = Path(os.path.realpath(target))  # through links: they are to keep pointing there
+    # beside the target, so that replacing is one step; the suffix tells libraries the format
+    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        if path.exists() and not stat.S_ISREG(path.stat().st_mode):
+            if path.is_dir():
+                raise InputError(f"Cannot write {target}: it is a folder.")
+            yield path
+            return
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield part
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+    except BrokenPipeError:
+        raise
+    except OSError as fault:
+        # others, say a template that is missing, are not the target's
+        here = fault.filename is None or Path(fault.filename) in (part, path, *path.parents)
+        if fault.errno is None or not here:
+            raise
+        raise InputError(f"Cannot write {target}: {fault.strerror}.") from fault
+
+
+def made_folder(target: str | Path) -> Path:
+    """The folder, made where it is missing: before the work rather than after it."""
+    folder = Path(target)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as fault:
+        raise InputError(f"Cannot make the folder {target}: {fault.strerror}.") from fault
+    return folder
+
+
+def ready(*targets: str | Path | None) -> None:
+    """Sees before the work that its results can be written; None and `-` always can."""
+    for target in targets:
+        if target is None or str(target) == STANDARD_OUTPUT:
+            continue
+        path = Path(os.path.realpath(target))
+        if path.is_dir():
+            raise InputError(f"Cannot write {target}: it is a folder.")
+        folder = made_folder(path.parent)
+        there = path.exists() and not path.is_file()  # /dev/null is written to in its place
+        if not os.access(path if there else folder, os.W_OK):
+            raise InputError(f"Cannot write {target}: permission denied.")
+
+
+def write_text(target: str | Path, text: str) -> None:
+    with replaced(target) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def write_json(target: str | Path, result: Mapping[str, Any]) -> None:
+    """To a file, or to standard output where the target is `-`."""
+    text = json_text(result)
+    if str(target) == STANDARD_OUTPUT:
+        sys.stdout.write(text)
+    else:
+        write_text(target, text)
+
+
+def json_text(result: Any) -> str:
+    return json.dumps(plain(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def plain(value: Any) -> Any:
+    """The value in JSON's own types: arrays become lists, NaN and infinities null."""
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, set | frozenset):
+        return sorted(plain(entry) for entry in value)
+    if isinstance(value, Path):
+        return str(value)
+    if hasattr(value, "tolist"):  # NumPy's and JAX's scalars and arrays, without importing either
+        return plain(value.tolist())
+    raise TypeError(f"{type(value).__name__} has no form in JSON.")
+
+
+def write_trajectory(target: str | None, trajectory: "Trajectory") -> None:
+    """CSV with the header t,phi1,phi2 (single: t,phi1); without a target to standard output."""
+    import numpy as np
+
+    from tp_jax.recordings import write_csv
+
+    columns = [np.asarray(trajectory.t), np.asarray(trajectory.phi1)]
+    if trajectory.phi2 is not None:
+        columns.append(np.asarray(trajectory.phi2))
+    if not all(np.isfinite(column).all() for column in columns):
+        raise RuntimeError("the solver did not reach the end of the run")
+
+    with tempfile.TemporaryDirectory() as folder:
+        part = Path(folder, "trajectory.csv")
+        write_csv(part, *columns)
+        text = part.read_text(encoding="utf-8")
+    if target is None or target == STANDARD_OUTPUT:
+        sys.stdout.write(text)
+    else:
+        write_text(target, text)

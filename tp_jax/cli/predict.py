@@ -1,0 +1,87 @@
+"""tp-jax predict: what a run never seen will look like, by a diagnosis's model."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from tp_jax.cli.arguments import add_common, non_negative, number, positive, sample_count
+from tp_jax.errors import InputError
+
+SCHEMA = "tp-jax/diagnosis/1"
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    parser = subparsers.add_parser(
+        "predict",
+        help="predict a run never seen",
+        description="Free run of a diagnosis's model, written as CSV.",
+    )
+    parser.add_argument("diagnosis", metavar="DIAGNOSIS.json", help="written by tp-jax diagnose")
+    run_of = parser.add_mutually_exclusive_group(required=True)
+    run_of.add_argument(
+        "--omega", metavar="W", type=non_negative, help="driven at W rad/s, from rest"
+    )
+    run_of.add_argument(
+        "--phi1", metavar="X", type=number, help="released at X rad with the motor at rest"
+    )
+    run_of.add_argument(
+        "--recording",
+        metavar="FILE",
+        help="driven as this file of a campaign was; then --duration and --rate may be left out",
+    )
+    parser.add_argument("--duration", metavar="S", type=positive, help="seconds")
+    parser.add_argument("--rate", metavar="HZ", type=positive, help="samples a second")
+    parser.add_argument(
+        "--model",
+        choices=("before", "after"),
+        default="after",
+        help="without or with the effects found (default after)",
+    )
+    parser.add_argument("--out", metavar="F.csv", help="default: standard output")
+    add_common(parser)
+    parser.set_defaults(run=run)
+
+
+def read_diagnosis(path: str) -> dict[str, Any]:
+    """A diagnosis.json, checked as far as a prediction needs it."""
+    try:
+        diagnosis = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as fault:
+        raise InputError(f"Cannot read {path}: {fault.strerror or fault}.") from fault
+    except ValueError as fault:
+        raise InputError(f"{path} is not JSON: {fault}.") from fault
+    if not isinstance(diagnosis, dict) or diagnosis.get("schema") != SCHEMA:
+        raise InputError(f'{path} is not a diagnosis: it lacks "schema": "{SCHEMA}".')
+    if not isinstance(diagnosis.get("fits"), dict):
+        raise InputError(f'{path} lacks "fits", which predictions are made from.')
+    return diagnosis
+
+
+def run(args: argparse.Namespace) -> None:
+    if args.recording is None:
+        for name in ("duration", "rate"):
+            if getattr(args, name) is None:
+                raise InputError(f"Argument --{name} is needed unless --recording is given.")
+    if args.duration is not None and args.rate is not None:
+        sample_count(args.duration, args.rate)
+    diagnosis = read_diagnosis(args.diagnosis)
+
+    import tp_jax as tp
+    from tp_jax._config import enable_compilation_cache
+    from tp_jax.cli.output import ready, write_trajectory
+
+    ready(args.out)
+    enable_compilation_cache()
+    trajectory = tp.predict(
+        diagnosis,
+        omega=args.omega,
+        phi1=args.phi1,
+        recording=args.recording,
+        duration=args.duration,
+        rate=args.rate,
+        model=args.model,
+    )
+    write_trajectory(args.out, trajectory)
+    if args.out not in (None, "-") and not args.quiet:
+        print(f"Wrote {args.out}")

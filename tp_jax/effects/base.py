@@ -1,0 +1,148 @@
+"""What an effect is: a formula that adds to one quantity of the model, null at amplitude zero.
+
+An effect is one class in one file. It names where it acts and what its amplitudes and shape
+constants are, and gives the increment:
+
+    class SpringAsymmetry(Effect):
+        id = "spring_asymmetry"
+        location = "spring"
+        hook = "spring"
+        amplitudes = (Amplitude("a", "1", typical=0.05),)
+
+        def increment(self, m, a):
+            return a * m.k * m.d * abs(m.d)
+
+Amplitude zero must be an interior point (or the edge of a physical range) with a derivative that
+is not zero there, since all effects are judged from one linearisation at null.
+"""
+
+import dataclasses
+from typing import Any, ClassVar
+
+import equinox as eqx
+import numpy as np
+
+from tp_jax.model.motion import Motion
+
+#: Location to the channel through which it acts on the recordings.
+CHANNELS = {
+    "drive": "column",
+    "spring": "column",
+    "bearing": "column",
+    "column": "column",
+    "base": "column",
+    "contact": "contact",
+    "sensor1": "sensor1",
+    "sensor2": "sensor2",
+    "clock": "clock",
+    "model": "column",
+}
+
+HOOKS = (
+    "clock", "phase", "drive", "spring", "bearing", "contact", "column", "sensor1", "sensor2",
+)  # fmt: skip
+
+
+@dataclasses.dataclass(frozen=True)
+class Amplitude:
+    """One amplitude of an effect, null at zero.
+
+    Attributes:
+        name: argument of `increment`.
+        unit: SI unit.
+        typical: a size that is noticeable and not absurd; scales the estimation.
+        lower, upper: physical range.
+        per_recording: one value for each recording instead of one for the campaign.
+    """
+
+    name: str
+    unit: str
+    typical: float = 0.1
+    lower: float = -np.inf
+    upper: float = np.inf
+    per_recording: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class Shape:
+    """A shape constant: profiled on a grid, since the null does not depend on it."""
+
+    name: str
+    unit: str
+    grid: tuple[float, ...]
+
+
+class Effect:
+    """Base class of all effects; see the module's docstring for an example.
+
+    Class attributes:
+        id: name in results, as in the catalogue.
+        location: place in the rig; decides the channel (`CHANNELS`).
+        hook: the quantity `increment` adds to: clock [1], phase [rad], drive [rad], spring
+            [N m], bearing [N m], contact [N m], column [N m], sensor1 [rad], sensor2 [rad].
+        amplitudes, shapes: see `Amplitude` and `Shape`.
+        needs: conditions a campaign must meet: "rider" (two angles), "sine" (a commanded drive),
+            "several" (more than one recording), "inertias" (B1 and B2 given).
+        uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
+        n_states: number of states of its own.
+        formula, source, looks_like: for people.
+    """
+
+    id: ClassVar[str] = ""
+    location: ClassVar[str] = ""
+    hook: ClassVar[str] = ""
+    amplitudes: ClassVar[tuple[Amplitude, ...]] = ()
+    shapes: ClassVar[tuple[Shape, ...]] = ()
+    needs: ClassVar[frozenset[str]] = frozenset()
+    uses_phi2: ClassVar[bool] = False
+    n_states: ClassVar[int] = 0
+    formula: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+    looks_like: ClassVar[str] = ""
+
+    def increment(self, m: Motion, **values: Any) -> Any:
+        """What the effect adds to its quantity at one instant.
+
+        Args:
+            m: motion and torques of the instant; filled up to the effect's hook.
+            values: amplitudes and shape constants by name.
+        """
+        raise NotImplementedError(f"The effect {self.id} must define increment(m, ...).")
+
+    def rates(self, m: Motion, **values: Any) -> tuple:  # noqa: ARG002
+        """Derivatives of the effect's own states; `m.z` holds them."""
+        return ()
+
+    @property
+    def channel(self) -> str:
+        """column, contact, sensor1, sensor2 or clock."""
+        return CHANNELS[self.location]
+
+    def qualified(self, name: str) -> str:
+        """Name of one of its amplitudes or constants among all parameters."""
+        return f"{self.id}.{name}"
+
+
+class Applied(eqx.Module):
+    """An effect with numbers: what a pendulum carries in its `terms`."""
+
+    effect: Effect = eqx.field(static=True)
+    values: dict[str, Any]
+
+    @property
+    def hook(self) -> str:
+        """Quantity the effect adds to."""
+        return self.effect.hook
+
+    @property
+    def n_states(self) -> int:
+        """Number of its own states."""
+        return self.effect.n_states
+
+    def increment(self, m: Motion) -> Any:
+        """What it adds."""
+        return self.effect.increment(m, **self.values)
+
+    def rates(self, m: Motion) -> tuple:
+        """Derivatives of its own states."""
+        return self.effect.rates(m, **self.values)

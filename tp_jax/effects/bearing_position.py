@@ -1,0 +1,22 @@
+"""The bearing's dry friction depends on its angle."""
+
+import jax.numpy as jnp
+
+from tp_jax.effects.base import Amplitude, Effect, Shape
+
+
+class BearingPosition(Effect):
+    """`M1 S (1 + a cos n phi1 + b sin n phi1)`"""
+
+    id = "bearing_position"
+    location = "bearing"
+    hook = "bearing"
+    amplitudes = (Amplitude("a", "1", typical=0.2), Amplitude("b", "1", typical=0.2),)
+    shapes = (Shape("n", "1", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),)
+    formula = "M1 S (1 + a cos n phi1 + b sin n phi1)"
+    source = "Section 6 of the paper"
+    looks_like = "an error tied to the column's angle, with the sign of its velocity"
+
+    def increment(self, m, a, b, n):  # type: ignore[override]
+        """See the class."""
+        return m.bearing_dry * (a * jnp.cos(n * m.phi1) + b * jnp.sin(n * m.phi1))

@@ -1,0 +1,19 @@
+"""The bearing's friction drifts as it warms up."""
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class BearingWarmup(Effect):
+    """`(M1 S + c1 v1)(1 + a s)`"""
+
+    id = "bearing_warmup"
+    location = "bearing"
+    hook = "bearing"
+    amplitudes = (Amplitude("a", "1", typical=0.2),)
+    formula = "(M1 S + c1 v1)(1 + a s)"
+    source = "Section 6 of the paper"
+    looks_like = "too much damping at first, too little later"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return a * m.s * (m.bearing_dry + m.bearing_viscous)

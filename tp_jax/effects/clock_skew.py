@@ -1,0 +1,20 @@
+"""The recorder's clock runs fast or slow."""
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class ClockSkew(Effect):
+    """`recorded t = (1 + a) true t`"""
+
+    id = "clock_skew"
+    location = "clock"
+    hook = "clock"
+    amplitudes = (Amplitude("a", "1", typical=0.01),)
+    needs = frozenset({"sine"})
+    formula = "recorded t = (1 + a) true t"
+    source = "crystal oscillators, RC oscillators of small controllers"
+    looks_like = "an error that grows with time in forced runs"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return 1.0 / (1.0 + a) - 1.0

@@ -1,0 +1,20 @@
+"""The contact's dry friction differs between the two senses of sliding."""
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class ContactAsymmetry(Effect):
+    """`(Ts1 + Tst term)(S + a |S|)`"""
+
+    id = "contact_asymmetry"
+    location = "contact"
+    hook = "contact"
+    amplitudes = (Amplitude("a", "1", typical=0.2, lower=-1.0, upper=1.0),)
+    needs = frozenset({"rider"})
+    formula = "(Ts1 + Tst term)(S + a |S|)"
+    source = "Armstrong-Helouvry et al. (1994), Automatica 30"
+    looks_like = "the rider creeps round in one direction"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return m.contact_dry * a * m.sign2

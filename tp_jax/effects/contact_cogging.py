@@ -1,0 +1,24 @@
+"""Magnets on the rider pull it to preferred angles."""
+
+import jax.numpy as jnp
+
+from tp_jax.effects.base import Amplitude, Effect, Shape
+
+
+class ContactCogging(Effect):
+    """`M_T + a sin n phi2 + b cos n phi2`"""
+
+    id = "contact_cogging"
+    location = "contact"
+    hook = "contact"
+    amplitudes = (Amplitude("a", "N m", typical=0.001), Amplitude("b", "N m", typical=0.001),)
+    shapes = (Shape("n", "1", (1.0, 2.0, 3.0, 4.0)),)
+    needs = frozenset({"rider"})
+    uses_phi2 = True
+    formula = "M_T + a sin n phi2 + b cos n phi2"
+    source = "the magnets of the rider's angle sensor, Section 2 of the paper"
+    looks_like = "the rider prefers some angles, also when it is stuck"
+
+    def increment(self, m, a, b, n):  # type: ignore[override]
+        """See the class."""
+        return a * jnp.sin(n * m.phi2) + b * jnp.cos(n * m.phi2)

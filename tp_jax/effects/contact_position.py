@@ -1,0 +1,24 @@
+"""The contact's dry friction depends on the rider's angle."""
+
+import jax.numpy as jnp
+
+from tp_jax.effects.base import Amplitude, Effect, Shape
+
+
+class ContactPosition(Effect):
+    """`(Ts1 S + Tst term)(1 + a cos n phi2 + b sin n phi2)`"""
+
+    id = "contact_position"
+    location = "contact"
+    hook = "contact"
+    amplitudes = (Amplitude("a", "1", typical=0.2), Amplitude("b", "1", typical=0.2),)
+    shapes = (Shape("n", "1", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),)
+    needs = frozenset({"rider"})
+    uses_phi2 = True
+    formula = "(Ts1 S + Tst term)(1 + a cos n phi2 + b sin n phi2)"
+    source = "Section 6 of the paper"
+    looks_like = "the rider slides more easily at some angles"
+
+    def increment(self, m, a, b, n):  # type: ignore[override]
+        """See the class."""
+        return m.contact_dry * (a * jnp.cos(n * m.phi2) + b * jnp.sin(n * m.phi2))

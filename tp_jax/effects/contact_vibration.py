@@ -1,0 +1,23 @@
+"""The column vibrates vertically, so that the normal force oscillates."""
+
+import jax.numpy as jnp
+
+from tp_jax.effects.base import Amplitude, Effect, Shape
+
+
+class ContactVibration(Effect):
+    """`(Ts1 S + Tst term)(1 + a_r cos W t + b_r sin W t)`"""
+
+    id = "contact_vibration"
+    location = "contact"
+    hook = "contact"
+    amplitudes = (Amplitude("a", "1", typical=0.2, per_recording=True), Amplitude("b", "1", typical=0.2, per_recording=True),)
+    shapes = (Shape("W", "Hz", (3.0, 5.0, 8.0, 12.0, 18.0, 27.0, 40.0, 60.0)),)
+    needs = frozenset({"rider"})
+    formula = "(Ts1 S + Tst term)(1 + a_r cos W t + b_r sin W t)"
+    source = "Section 6 of the paper"
+    looks_like = "ripple of the friction at a fixed frequency"
+
+    def increment(self, m, a, b, W):  # type: ignore[override]
+        """See the class."""
+        return m.contact_dry * (a * jnp.cos(2.0 * jnp.pi * W * m.t) + b * jnp.sin(2.0 * jnp.pi * W * m.t))

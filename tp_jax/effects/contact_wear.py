@@ -1,0 +1,20 @@
+"""The contact's dry friction drifts within a recording."""
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class ContactWear(Effect):
+    """`(Ts1 S + Tst term)(1 + a s)`"""
+
+    id = "contact_wear"
+    location = "contact"
+    hook = "contact"
+    amplitudes = (Amplitude("a", "1", typical=0.2),)
+    needs = frozenset({"rider"})
+    formula = "(Ts1 S + Tst term)(1 + a s)"
+    source = "Section 6 of the paper"
+    looks_like = "the rider slides less and less, or more and more"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return m.contact_dry * a * m.s

@@ -1,0 +1,20 @@
+"""The motor does not turn at the commanded speed."""
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class DriveFrequency(Effect):
+    """`theta = (omega_r + a_r) t`"""
+
+    id = "drive_frequency"
+    location = "drive"
+    hook = "phase"
+    amplitudes = (Amplitude("a", "rad/s", typical=0.05, per_recording=True),)
+    needs = frozenset({"sine"})
+    formula = "theta = (omega_r + a_r) t"
+    source = "stepper drives: missed pulses, wrong clock"
+    looks_like = "an error that grows with time within each forced run"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return a * m.t

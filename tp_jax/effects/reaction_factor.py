@@ -1,0 +1,20 @@
+"""The column receives more or less than the contact's torque."""
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class ReactionFactor(Effect):
+    """`B1 v1' = ... + (1 + a) M_T`"""
+
+    id = "reaction_factor"
+    location = "model"
+    hook = "column"
+    amplitudes = (Amplitude("a", "1", typical=0.2),)
+    needs = frozenset({"rider", "inertias"})
+    formula = "B1 v1' = ... + (1 + a) M_T"
+    source = "the factor 2 of equation (16a)"
+    looks_like = "inertias that do not agree with those given"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return a * m.contact

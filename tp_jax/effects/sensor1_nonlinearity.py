@@ -1,0 +1,21 @@
+"""The bridge of sensor 1 is read with a straight line."""
+
+import jax.numpy as jnp
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class Sensor1Nonlinearity(Effect):
+    """`y1 = phi1 + a (sin(2 phi1) / 2 - phi1)`"""
+
+    id = "sensor1_nonlinearity"
+    location = "sensor1"
+    hook = "sensor1"
+    amplitudes = (Amplitude("a", "1", typical=0.3),)
+    formula = "y1 = phi1 + a (sin(2 phi1) / 2 - phi1)"
+    source = "Section 6 of the paper; HMC1512: bridge voltage goes with sin(2 theta)"
+    looks_like = "large angles read too small"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return a * (0.5 * jnp.sin(2.0 * m.phi1) - m.phi1)

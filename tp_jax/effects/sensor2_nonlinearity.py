@@ -1,0 +1,23 @@
+"""The bridge of sensor 2 is read with a straight line."""
+
+import jax.numpy as jnp
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class Sensor2Nonlinearity(Effect):
+    """`y2 = phi2 + a (sin(2 phi2) / 2 - phi2)`"""
+
+    id = "sensor2_nonlinearity"
+    location = "sensor2"
+    hook = "sensor2"
+    amplitudes = (Amplitude("a", "1", typical=0.3),)
+    needs = frozenset({"rider"})
+    uses_phi2 = True
+    formula = "y2 = phi2 + a (sin(2 phi2) / 2 - phi2)"
+    source = "Section 6 of the paper; HMC1512: bridge voltage goes with sin(2 theta)"
+    looks_like = "large angles read too small"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return a * (0.5 * jnp.sin(2.0 * m.phi2) - m.phi2)

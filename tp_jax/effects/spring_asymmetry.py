@@ -1,0 +1,21 @@
+"""The spring is stiffer when wound than when unwound."""
+
+import jax.numpy as jnp
+
+from tp_jax.effects.base import Amplitude, Effect
+
+
+class SpringAsymmetry(Effect):
+    """`k (d + a d |d|)`"""
+
+    id = "spring_asymmetry"
+    location = "spring"
+    hook = "spring"
+    amplitudes = (Amplitude("a", "1", typical=0.05),)
+    formula = "k (d + a d |d|)"
+    source = "Section 6 of the paper"
+    looks_like = "peaks of one sign larger than those of the other"
+
+    def increment(self, m, a):  # type: ignore[override]
+        """See the class."""
+        return m.k * a * m.d * jnp.abs(m.d)

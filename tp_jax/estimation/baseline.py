@@ -1,0 +1,276 @@
+"""The baseline fit of a campaign: start from the data, then windows that grow.
+
+Short windows are convex enough to be found from afar; long ones say more. The horizon follows the
+sampling and the period of the motion, the smoothing of the friction is raised as the windows
+grow.
+"""
+
+import dataclasses
+import logging
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from tp_jax.effects import Effect, catalogue
+from tp_jax.estimation.layout import Layout, Unknown, Values
+from tp_jax.estimation.least_squares import Anchor, Fit, fit
+from tp_jax.estimation.problem import Problem, sample_capacity
+from tp_jax.estimation.start import start_from_data
+from tp_jax.estimation.windows import Prepared, Windows, cut, prepare
+from tp_jax.model.parameters import BY_NAME, DEFAULT_EPS, PAPER_EPS
+from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
+from tp_jax.recordings import Campaign, Recording, noise_floor
+
+log = logging.getLogger(__name__)
+
+Progress = Callable[[str, float | None], None]
+
+#: Tst and T0 are nearly confounded with Ts1; without any slip T0 is free. A wide prior on log T0
+#: keeps the steps finite and is reported as unidentifiable where it decides.
+T0_PRIOR = (np.log(5.0), 2.0)
+
+RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
+
+
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """A campaign made ready: layout, prepared recordings, noise, horizons, what is unknown.
+
+    Attributes:
+        campaign, recordings: all of them, held-out ones included.
+        layout: with the whole catalogue's slots.
+        prepared: one per recording.
+        noise: sd by channel [rad].
+        sigma: (2,) the same as an array, 1 where a channel is missing.
+        horizons: window lengths [s], growing.
+        capacity: samples of a block.
+        fixed: values the user or the campaign gave.
+        priors: anchors from the campaign (name: value, sd).
+        model: "newton" or "paper".
+        bounds: by name, where the user gave them.
+    """
+
+    campaign: Campaign
+    recordings: tuple[Recording, ...]
+    layout: Layout
+    prepared: tuple[Prepared, ...]
+    noise: dict[str, float]
+    sigma: np.ndarray
+    horizons: tuple[float, ...]
+    capacity: int
+    fixed: dict[str, float]
+    priors: dict[str, tuple[float, float]]
+    model: str
+    bounds: dict[str, tuple[float, float]]
+    width: int
+
+    @property
+    def fitted(self) -> list[int]:
+        """Recordings that may be fitted."""
+        return [i for i, r in enumerate(self.recordings) if not r.held_out]
+
+    @property
+    def held_out(self) -> list[int]:
+        """Recordings that are only predicted."""
+        return [i for i, r in enumerate(self.recordings) if r.held_out]
+
+    @property
+    def rider(self) -> bool:
+        """Whether there is a second body."""
+        return self.campaign.model == "double"
+
+    @property
+    def sine(self) -> bool:
+        """Whether any drive is a commanded sine."""
+        return any(_sine(r) for r in self.recordings)
+
+    @property
+    def eps(self) -> float:
+        """Final smoothing of the friction [s]."""
+        return PAPER_EPS if self.model == "paper" else DEFAULT_EPS
+
+    def problem(self, horizon: float, which: Sequence[int] | None = None) -> Problem:
+        """Some recordings (the fitted ones if None) in windows of one length."""
+        which = self.fitted if which is None else which
+        windows = cut([self.prepared[i] for i in which], horizon)
+        windows = dataclasses.replace(windows, recording=np.array(which)[windows.recording])
+        return Problem(self.layout, self.prepared, windows, self.sigma, self.capacity)
+
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """The baseline's unknowns and the nuisances that go with it."""
+        names = ["k", "c1", "M1"]
+        if self.rider:
+            names += RIDER
+        if self.sine:
+            names += ["A", "phase", "zero1"]
+        if any(r.measured_drive for r in self.recordings):
+            names += ["gain", "level"]
+        elif not self.sine:
+            names += ["zero1"]
+        return tuple(Unknown(n) for n in names if n not in self.fixed)
+
+    def anchors(self) -> tuple[Anchor, ...]:
+        """Priors of the baseline's unknowns."""
+        anchors = []
+        names = [u.name for u in self.unknowns()]
+        for name, (value, sd) in self.priors.items():
+            spec = BY_NAME[name]
+            centre = float(spec.to_coordinate(value))
+            anchors.append(Anchor(Unknown(name), centre, sd / spec.slope(value)))
+        if "T0" in names:
+            anchors.append(Anchor(Unknown("T0"), *T0_PRIOR))
+        return tuple(anchors)
+
+
+def _sine(r: Recording) -> bool:
+    return r.forced and r.omega is not None and not r.measured_drive
+
+
+def prepare_campaign(
+    campaign: Campaign,
+    *,
+    model: str = "newton",
+    fix: dict[str, float] | None = None,
+    bound: dict[str, tuple[float, float]] | None = None,
+    effects: Sequence[Effect] | None = None,
+) -> Setting:
+    """Reads noise, sampling and period off the recordings and lays out the estimation."""
+    recordings = campaign.recordings
+    fitted = [r for r in recordings if not r.held_out]
+    noise = noise_floor(fitted)
+    sigma = np.array([noise["phi1"], noise.get("phi2", 1.0)])
+    sigma = np.where(sigma > 0.0, sigma, 1e-6)
+    if effects is None:
+        effects = [e for e in catalogue().values() if e.n_states == 0]
+    layout = Layout(campaign.model, tuple(effects))
+    step = float(np.median([np.median(np.diff(r.t)) for r in recordings]))
+    period = _period(fitted)
+    width = int(np.clip(round(period / 10.0 / step), 7, 25)) | 1
+    names = {"phi1": sigma[0], "phi2": sigma[1]}
+    prepared = tuple(prepare(r, names, width) for r in recordings)
+    horizons = _horizons(period, step, min(r.duration for r in fitted))
+    counts = [round(horizons[-1] / step) + 2]
+    fixed = {"B1": campaign.B1 or 1.0}
+    priors = {}
+    for name in ("B2", "k"):
+        known = getattr(campaign, name)
+        if known is not None and known.sd is None:
+            fixed[name] = known.value
+        elif known is not None:
+            priors[name] = (known.value, known.sd)
+    fixed |= fix or {}
+    return Setting(
+        campaign, recordings, layout, prepared, noise, sigma, horizons, sample_capacity(counts),
+        fixed, priors, model, dict(bound or {}), width,
+    )  # fmt: skip
+
+
+def _period(recordings: Sequence[Recording]) -> float:
+    """Typical period of the column [s]: from the crossings of its mean."""
+    periods = []
+    for r in recordings:
+        y = r.phi1 - r.phi1.mean()
+        y = np.where(np.abs(y) < 0.1 * np.abs(y).max(), 0.0, np.sign(y))
+        y = y[y != 0.0]
+        crossings = int((np.diff(y) != 0).sum())
+        if crossings >= 2:
+            periods.append(2.0 * r.duration / crossings)
+    return float(np.median(periods)) if periods else max(r.duration for r in recordings) / 10.0
+
+
+def _horizons(period: float, step: float, shortest: float) -> tuple[float, ...]:
+    """Window lengths: a quarter of a period (12 samples or more), then three and nine times that.
+
+    The last is half a second at least, where the recordings are that long.
+    """
+    first = max(0.25 * period, 12 * step)
+    last = max(6.0 * first, 0.5)
+    ladder = [first, np.sqrt(first * last), last]
+    return tuple(float(min(h, 0.5 * shortest)) for h in ladder)
+
+
+def initial_values(setting: Setting) -> Values:
+    """All numbers before any fit: the data's own start, and what is given."""
+    campaign = setting.campaign
+    B1 = setting.fixed["B1"]
+    fitted = [setting.recordings[i] for i in setting.fitted]
+    given = {n: v for n, v in setting.fixed.items() if n in ("B2", "k")}
+    sigma = {"phi1": setting.sigma[0], "phi2": setting.sigma[1]}
+    start = start_from_data(fitted, sigma, setting.width, B1, given)
+    if setting.model == "paper":  # the printed model with all of the column's numbers doubled
+        for name in ("B2", "Tv", "Ts1", "Tst"):
+            if name in start and name not in given:
+                start[name] *= 0.5
+    middle = [0.5 * (r.t[0] + r.t[-1]) for r in setting.recordings]
+    rate = [1.0 / r.duration for r in setting.recordings]
+    clocks = [r.start for r in setting.recordings]
+    if all(c is not None for c in clocks):  # drifts run on the campaign's clock
+        begin = min(c + r.t[0] for c, r in zip(clocks, setting.recordings, strict=True))
+        end = max(c + r.t[-1] for c, r in zip(clocks, setting.recordings, strict=True))
+        middle = [0.5 * (begin + end) - c for c in clocks]
+        rate = [1.0 / (end - begin)] * len(clocks)
+    paper = setting.model == "paper"
+    values: dict[str, object] = {
+        "B1": B1, "B2": B1, "k": B1, "T0": 1.0, "eps1": setting.eps, "eps2": setting.eps,
+        "reaction": PRINTED_REACTION if paper else NEWTON_REACTION,
+        "omega": [r.omega if _sine(r) else 0.0 for r in setting.recordings],
+        "running": [float(_sine(r)) for r in setting.recordings],
+        "metered": [float(r.measured_drive) for r in setting.recordings],
+        "drift_middle": middle, "drift_rate": rate,
+    }  # fmt: skip
+    out = Values.build(setting.layout, len(campaign.recordings), {**values, **start})
+    return out.replace(setting.fixed)
+
+
+def grow(
+    setting: Setting,
+    values: Values,
+    unknowns: Sequence[Unknown],
+    *,
+    horizons: Sequence[float] | None = None,
+    which: Sequence[int] | None = None,
+    progress: Progress | None = None,
+    max_iterations: int = 30,
+) -> Fit:
+    """Fits on growing windows, with the friction's smoothing raised on the way."""
+    horizons = setting.horizons if horizons is None else horizons
+    ladder = np.minimum(np.geomspace(PAPER_EPS, setting.eps, max(len(horizons) - 1, 1)), setting.eps)
+    result: Fit | None = None
+    for i, horizon in enumerate(horizons):
+        if progress is not None:
+            progress(f"fitting windows of {horizon:.2g} s", i / len(horizons))
+        problem = setting.problem(horizon, which)
+        eps = setting.eps if i >= len(ladder) else float(ladder[i])
+        values = values.replace({"eps1": eps, "eps2": eps})
+        states = None if result is None else handed_on(result, problem)
+        result = fit(
+            problem, values, unknowns, states, bounds=setting.bounds,
+            anchors=[a for a in setting.anchors() if a.unknown in unknowns],
+            max_iterations=max_iterations,
+        )  # fmt: skip
+        values = result.values
+        log.info("windows of %.3g s: chi2/dof %.4g, %s", horizon, result.chi2_dof, result.message)
+    assert result is not None
+    return result
+
+
+def handed_on(before: Fit, problem: Problem) -> np.ndarray:
+    """Window states for a new cut, read off the trajectories of the last one."""
+    states = problem.initial_states()
+    old, new = before.problem.windows, problem.windows
+    for i in range(new.n):
+        same = np.flatnonzero(
+            (old.recording == new.recording[i])
+            & (old.first <= new.first[i])
+            & (new.first[i] < old.first + old.count)
+        )
+        if same.size:
+            j = same[0]
+            states[i] = before.linearisation.states[j, new.first[i] - old.first[j], :4]
+    return states
+
+
+def single_windows(setting: Setting) -> Windows:
+    """All recordings uncut, for free runs."""
+    n = [p.t.size for p in setting.prepared]
+    return Windows(np.arange(len(n)), np.zeros(len(n), int), np.array(n), np.inf)

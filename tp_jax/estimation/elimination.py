@@ -1,0 +1,52 @@
+"""Window states eliminated: what is left of a linearisation is small.
+
+Per window w the sum of squares, minimised over its own state, is quadratic in the unknowns with
+gradient g_w and information matrix H_w.
+"""
+
+import dataclasses
+
+import numpy as np
+
+
+@dataclasses.dataclass(frozen=True)
+class Eliminated:
+    """Per window: g (w, u) = J'r and H (w, u, u) = J'J after the states are projected out.
+
+    cost: (w,) sum of squares at the minimising states; state_step: (w, 4) the step to them;
+    state_gain: (w, 4, u) how they follow the unknowns.
+    """
+
+    g: np.ndarray
+    H: np.ndarray
+    cost: np.ndarray
+    state_step: np.ndarray
+    state_gain: np.ndarray
+
+
+def eliminate(
+    r: np.ndarray, states_jac: np.ndarray, jac: np.ndarray, damping: float = 0.0
+) -> Eliminated:
+    """Projects the window states out.
+
+    Args:
+        r: (w, m) residuals. states_jac: (w, m, 4). jac: (w, m, u).
+        damping: relative Levenberg-Marquardt damping of the states.
+    """
+    xt = states_jac.transpose(0, 2, 1)
+    hxx = xt @ states_jac
+    gx = (xt @ r[:, :, None])[..., 0]
+    hxu = xt @ jac
+    ut = jac.transpose(0, 2, 1)
+    huu = ut @ jac
+    gu = (ut @ r[:, :, None])[..., 0]
+    diagonal = np.einsum("wii->wi", hxx)
+    hxx = hxx + (damping * diagonal + 1e-12 * diagonal.max(axis=1, keepdims=True))[
+        :, :, None
+    ] * np.eye(hxx.shape[1])
+    solved = np.linalg.solve(hxx, np.concatenate([gx[..., None], hxu], axis=2))
+    step, gain = -solved[..., 0], -solved[..., 1:]
+    g = gu + np.einsum("wxu,wx->wu", hxu, step)
+    H = huu + hxu.transpose(0, 2, 1) @ gain
+    cost = (r**2).sum(axis=1) + np.einsum("wx,wx->w", gx, step)
+    return Eliminated(g, 0.5 * (H + H.transpose(0, 2, 1)), cost, step, gain)

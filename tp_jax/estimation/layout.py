@@ -1,0 +1,166 @@
+"""Which numbers a rig has: every parameter, nuisance and effect in one row of slots.
+
+The batch engine gets all slots for every lane; which of them are unknown is data (`Unknowns`).
+So one compiled program serves the baseline and every effect.
+"""
+
+import dataclasses
+import functools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from tp_jax.effects import Applied, Effect
+from tp_jax.model.bearing import Bearing
+from tp_jax.model.contact import Contact
+from tp_jax.model.drive import LanewiseDrive
+from tp_jax.model.parameters import BASE, NUISANCES, SETTINGS, Parameter
+from tp_jax.model.pendulum import (
+    AbstractTorsionPendulum,
+    DoubleTorsionPendulum,
+    SingleTorsionPendulum,
+)
+from tp_jax.model.sensors import Sensors
+from tp_jax.model.spring import LinearSpring
+
+#: What a recording fixes: commanded frequency, kind of drive, drift clock.
+GIVEN = (
+    Parameter("omega", "rad/s", 0.0, 1e3, scope="recording", description="commanded frequency"),
+    Parameter("running", "1", 0.0, 1.0, scope="recording", description="1: the sine drive runs"),
+    Parameter("metered", "1", 0.0, 1.0, scope="recording", description="1: measured drive"),
+    Parameter("drift_middle", "s", -1e9, 1e9, scope="recording"),
+    Parameter("drift_rate", "1/s", 0.0, 1e9, scope="recording"),
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Layout:
+    """The slots of one kind of pendulum with a set of effects.
+
+    Attributes:
+        kind: "double" or "single".
+        effects: the effects whose amplitudes have slots.
+    """
+
+    kind: str
+    effects: tuple[Effect, ...]
+
+    @functools.cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """One per slot."""
+        slots = [*BASE, *SETTINGS, *NUISANCES, *GIVEN]
+        for effect in self.effects:
+            for a in effect.amplitudes:
+                scope = "recording" if a.per_recording else "campaign"
+                slots.append(
+                    Parameter(
+                        effect.qualified(a.name), a.unit, a.lower, a.upper,
+                        scope=scope, typical=a.typical,
+                    )
+                )  # fmt: skip
+            for s in effect.shapes:
+                slots.append(
+                    Parameter(effect.qualified(s.name), s.unit, min(s.grid), max(s.grid))
+                )
+        return tuple(slots)
+
+    @functools.cached_property
+    def index(self) -> dict[str, int]:
+        """Name to slot."""
+        return {p.name: i for i, p in enumerate(self.parameters)}
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return 4 + sum(e.n_states for e in self.effects)
+
+    def model(self, p: Sequence, piece=None, left=None) -> AbstractTorsionPendulum:
+        """A pendulum whose fields are the slots' arrays; `piece`, `left` of a measured drive."""
+        v = dict(zip(self.index, p, strict=True))
+        zero = 0.0 * v["B1"]
+        drive = LanewiseDrive(
+            A=v["A"] * v["running"], omega=v["omega"], offset=v["phase"],
+            gain=v["gain"] * v["metered"], level=v["level"] * v["metered"],
+            piece=[zero] * 4 if piece is None else piece,
+            left=zero if left is None else left,
+        )  # fmt: skip
+        terms = tuple(
+            Applied(e, {a.name: v[e.qualified(a.name)] for a in (*e.amplitudes, *e.shapes)})
+            for e in self.effects
+        )
+        shared = dict(
+            drive=drive,
+            spring=LinearSpring(v["k"]),
+            bearing=Bearing(v["c1"], v["M1"], v["eps1"]),
+            sensors=Sensors(v["zero1"], v["zero2"]),
+            B1=v["B1"],
+            terms=terms,
+            drift=(v["drift_middle"], v["drift_rate"]),
+        )
+        if self.kind == "single":
+            return SingleTorsionPendulum(**shared)
+        contact = Contact(v["Tv"], v["Ts1"], v["Tst"], v["T0"], v["eps2"])
+        return DoubleTorsionPendulum(
+            **shared, contact=contact, B2=v["B2"], reaction=v["reaction"]
+        )
+
+
+@dataclasses.dataclass(frozen=True)
+class Unknown:
+    """One number to estimate: a slot, and the recording it belongs to (None: all of them)."""
+
+    name: str
+    recording: int | None = None
+
+
+class Values:
+    """The numbers of a campaign: (slots, recordings), changed only by making another one."""
+
+    def __init__(self, layout: Layout, table: np.ndarray):
+        self.layout = layout
+        self.table = table
+
+    @classmethod
+    def build(cls, layout: Layout, n_recordings: int, values: Mapping[str, object]) -> "Values":
+        """From numbers by name, each one or one per recording; shapes start mid-grid."""
+        table = np.zeros((len(layout.parameters), n_recordings))
+        for effect in layout.effects:
+            for s in effect.shapes:
+                table[layout.index[effect.qualified(s.name)]] = s.grid[len(s.grid) // 2]
+        for name, value in values.items():
+            table[layout.index[name]] = np.asarray(value, dtype=float)
+        return cls(layout, table)
+
+    def get(self, name: str, recording: int | None = None) -> float:
+        """One number."""
+        return float(self.table[self.layout.index[name], recording or 0])
+
+    def replace(self, changes: Mapping[str, object]) -> "Values":
+        """A copy with some slots set, each to one number or one per recording."""
+        table = self.table.copy()
+        for name, value in changes.items():
+            table[self.layout.index[name]] = np.asarray(value, dtype=float)
+        return Values(self.layout, table)
+
+    def pick(self, unknowns: Sequence[Unknown]) -> np.ndarray:
+        """Values of the unknowns."""
+        return np.array([self.get(u.name, u.recording) for u in unknowns])
+
+    def put(self, unknowns: Sequence[Unknown], x: np.ndarray) -> "Values":
+        """A copy with the unknowns set."""
+        table = self.table.copy()
+        for u, value in zip(unknowns, x, strict=True):
+            row = self.layout.index[u.name]
+            table[row, slice(None) if u.recording is None else u.recording] = value
+        return Values(self.layout, table)
+
+    def recordings(self, index: Sequence[int]) -> "Values":
+        """The numbers of some of the recordings."""
+        return Values(self.layout, self.table[:, list(index)])
+
+    def to_dict(self) -> dict[str, float | list[float]]:
+        """By name; a list where the recordings differ."""
+        out: dict[str, float | list[float]] = {}
+        for p, row in zip(self.layout.parameters, self.table, strict=True):
+            out[p.name] = [float(x) for x in row] if p.scope == "recording" else float(row[0])
+        return out

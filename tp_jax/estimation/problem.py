@@ -1,0 +1,213 @@
+"""The estimation problem: recordings in windows, and their linearisation at given numbers."""
+
+import dataclasses
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import jax.numpy as jnp
+import numpy as np
+
+from tp_jax.estimation.layout import Layout, Unknown, Values
+from tp_jax.estimation.program import Block, linearise
+from tp_jax.estimation.windows import Prepared, Windows
+from tp_jax.simulation.lanes import Tolerances
+
+LANES = 64  # windows in a block
+DIRECTIONS = 16  # directions in a call
+_SIZES = (32, 64, 128, 256, 512, 1024, 2048, 4096)
+
+
+def sample_capacity(counts: Sequence[int]) -> int:
+    """Samples a block must hold for windows of these counts; one of a few sizes."""
+    most = max(counts)
+    return next((s for s in _SIZES if s >= most), most)
+
+
+@dataclasses.dataclass
+class Linearisation:
+    """Weighted residuals of all windows and their derivatives.
+
+    r: (w, m) residuals in units of the noise, padded with zeros; rows are samples x channels,
+    then four of the prior. states_jac: (w, m, 4). slots_jac: (w, m, d), by slot in `slots` (the
+    same slot of different recordings is one column here). valid: (w, m) bool. states: (w, n, 4).
+    complete: (w,).
+    """
+
+    r: np.ndarray
+    states_jac: np.ndarray
+    slots_jac: np.ndarray
+    valid: np.ndarray
+    states: np.ndarray
+    complete: np.ndarray
+    slots: tuple[str, ...]
+    recording: np.ndarray
+
+    @property
+    def n_samples(self) -> int:
+        """Samples of the windows' rows (per channel)."""
+        return (self.r.shape[1] - 4) // 2
+
+    def cost(self) -> float:
+        """Sum of squares; infinite where a window could not be integrated."""
+        return float((self.r**2).sum()) if self.complete.all() else np.inf
+
+
+@dataclasses.dataclass(frozen=True)
+class Problem:
+    """Recordings cut into windows, ready to be linearised.
+
+    Attributes:
+        layout: slots of the model.
+        prepared: the recordings.
+        windows: how they are cut.
+        sigma: (2,) noise by channel [rad].
+        capacity: samples of a block; the same for all horizons of a campaign, so that one
+            compiled program serves them.
+        tolerances: of the integration.
+    """
+
+    layout: Layout
+    prepared: tuple[Prepared, ...]
+    windows: Windows
+    sigma: np.ndarray
+    capacity: int
+    tolerances: Tolerances = Tolerances()  # noqa: RUF009
+
+    @property
+    def measured(self) -> bool:
+        """Whether a drive was measured: the blocks then carry its pieces."""
+        return any(p.pieces is not None for p in self.prepared)
+
+    def initial_states(self) -> np.ndarray:
+        """Smoothed readings at the windows' starts (w, 4)."""
+        w = self.windows
+        rows = zip(w.recording, w.first, strict=True)
+        return np.array([self.prepared[r].smooth[f] for r, f in rows])
+
+    def degrees_of_freedom(self, unknowns: int) -> int:
+        """Samples less estimated window states and unknowns."""
+        per_window = [2 * self.prepared[r].channels.sum() for r in self.windows.recording]
+        samples = sum(
+            c * self.prepared[r].channels.sum()
+            for r, c in zip(self.windows.recording, self.windows.count, strict=True)
+        )
+        return int(samples - sum(per_window) - unknowns)
+
+    def select(self, recordings: Sequence[int]) -> np.ndarray:
+        """Windows (bool) of some recordings."""
+        return np.isin(self.windows.recording, list(recordings))
+
+    def _blocks(self):
+        order = np.arange(self.windows.n)
+        return [order[i : i + LANES] for i in range(0, order.size, LANES)]
+
+    def _block(self, which: np.ndarray) -> Block:
+        n, w = self.capacity, self.windows
+        ts = np.zeros((n, LANES))
+        data = np.zeros((n, 2, LANES))
+        weight = np.zeros((n, 2, LANES))
+        prior = np.zeros((4, LANES))
+        prior_weight = np.ones((4, LANES))
+        pieces = np.zeros((n - 1, 4, LANES)) if self.measured else None
+        count = np.ones(LANES, dtype=int)
+        for lane, i in enumerate(which):
+            p, f, c = self.prepared[w.recording[i]], w.first[i], w.count[i]
+            ts[:c, lane] = p.t[f : f + c]
+            ts[c:, lane] = p.t[f + c - 1]
+            data[:c, :, lane] = p.y[f : f + c]
+            weight[:c, :, lane] = np.where(p.channels, 1.0 / self.sigma, 0.0)
+            prior[:, lane], prior_weight[:, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
+            if pieces is not None and p.pieces is not None:
+                pieces[: c - 1, :, lane] = p.pieces[f : f + c - 1]
+            count[lane] = c
+        if which.size < LANES:  # idle lanes: one sample, nothing to integrate
+            ts[:, which.size :] = ts[:1, :1]
+        arrays = (ts, count, data, weight, prior, prior_weight, pieces)
+        return Block(*(None if a is None else jnp.asarray(a) for a in arrays))
+
+    def blocks(self) -> list[tuple[np.ndarray, Block]]:
+        """Indices and data of all blocks; made once."""
+        cached = self.__dict__.get("_cached_blocks")
+        if cached is None:
+            cached = [(which, self._block(which)) for which in self._blocks()]
+            object.__setattr__(self, "_cached_blocks", cached)
+        return cached
+
+    def linearise(
+        self, values: Values, states: np.ndarray, slots: Sequence[str]
+    ) -> Linearisation:
+        """Residuals and derivatives of all windows.
+
+        Args:
+            values: all numbers.
+            states: (w, 4) initial states of the windows.
+            slots: names to differentiate by; any number, taken in fixed portions.
+        """
+        index = [self.layout.index[s] for s in slots]
+        portions = [index[i : i + DIRECTIONS] for i in range(0, len(index), DIRECTIONS)] or [[]]
+        spare = self.layout.index["reaction"]
+        portions = [p + [spare] * (DIRECTIONS - len(p)) for p in portions]
+        jobs = [(b, d) for b in range(len(self.blocks())) for d in range(len(portions))]
+
+        def run(job):
+            b, d = job
+            which, block = self.blocks()[b]
+            p = np.zeros((len(self.layout.parameters), LANES))
+            p[:] = values.table[:, :1]
+            p[:, : which.size] = values.table[:, self.windows.recording[which]]
+            x0 = np.zeros((self.layout.n_states, LANES))
+            x0[: states.shape[1], : which.size] = states[which].T
+            out = linearise(
+                self.layout, self.tolerances, jnp.asarray(p), jnp.asarray(x0), block,
+                jnp.asarray(portions[d]),
+            )  # fmt: skip
+            return [np.asarray(a) for a in out]
+
+        self.blocks()
+        with ThreadPoolExecutor(2) as pool:
+            results = dict(zip(jobs, pool.map(run, jobs), strict=True))
+        return self._assemble(results, tuple(slots))
+
+    def _assemble(self, results: dict, slots: tuple[str, ...]) -> Linearisation:
+        nw, n, nc = self.windows.n, self.capacity, self.layout.n_states
+        m = 2 * n + 4
+        r = np.zeros((nw, m))
+        states_jac = np.zeros((nw, m, 4))
+        slots_jac = np.zeros((nw, m, len(slots)))
+        states = np.zeros((nw, n, nc))
+        complete = np.zeros(nw, dtype=bool)
+        valid = np.zeros((nw, m), dtype=bool)
+        for (b, d), out in results.items():
+            res, jac, prior_r, prior_jac, y, done, _ = out
+            which, block = self.blocks()[b]
+            k = which.size
+            lo, hi = d * DIRECTIONS, min((d + 1) * DIRECTIONS, len(slots))
+            if hi > lo:
+                slots_jac[which, :-4, lo:hi] = jac[:k, ..., nc : nc + hi - lo].reshape(k, -1, hi - lo)
+                slots_jac[which, -4:, lo:hi] = prior_jac[:k, :, nc : nc + hi - lo]
+            if d:
+                continue
+            r[which] = np.concatenate([res[:k].reshape(k, -1), prior_r[:k]], axis=1)
+            states_jac[which, :-4] = jac[:k, ..., :4].reshape(k, -1, 4)
+            states_jac[which, -4:] = prior_jac[:k, :, :4]
+            states[which], complete[which] = y[:k], done[:k]
+            weight = np.asarray(block.weight)[..., :k].transpose(2, 0, 1).reshape(k, -1)
+            valid[which, :-4] = weight > 0
+        return Linearisation(
+            r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording
+        )
+
+
+def columns(unknowns: Sequence[Unknown]) -> tuple[str, ...]:
+    """Slots of the unknowns, each once."""
+    return tuple(dict.fromkeys(u.name for u in unknowns))
+
+
+def spread(lin: Linearisation, unknowns: Sequence[Unknown]) -> np.ndarray:
+    """Jacobian by unknown (w, m, u) from that by slot."""
+    where = {s: i for i, s in enumerate(lin.slots)}
+    out = lin.slots_jac[:, :, [where[u.name] for u in unknowns]].copy()
+    for j, u in enumerate(unknowns):
+        if u.recording is not None:
+            out[lin.recording != u.recording, :, j] = 0.0
+    return out

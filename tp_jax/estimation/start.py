@@ -1,0 +1,119 @@
+"""A start from the data: the equations of motion are linear in most parameters.
+
+With angles, velocities and accelerations from local polynomials, the sum of (16a) and (16b) holds
+without the contact,
+
+    B1 a1 + B2 (a1 + a2) + k phi1 - k f + c1 v1 + M1 sgn v1 = 0,
+
+and (16b) alone gives the contact's parameters for any T0. Both are solved by bounded linear least
+squares, so that nobody needs to guess.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from tp_jax.recordings import Recording
+from tp_jax.recordings.smooth import local_polynomial
+
+T0_GRID = np.geomspace(0.5, 50.0, 9)
+
+
+def start_from_data(
+    recordings: Sequence[Recording],
+    sigma: dict[str, float],
+    width: int,
+    B1: float,
+    given: dict[str, float],
+) -> dict[str, float]:
+    """Parameters by name from the recorded angles alone, within some ten per cent.
+
+    Args:
+        recordings: those to be fitted.
+        sigma: noise by channel [rad].
+        width: samples of the smoothing window.
+        B1: inertia of the column [kg m^2].
+        given: values known beforehand (B2, k).
+    """
+    rows: list[dict[str, np.ndarray]] = []
+    for r in recordings:
+        one = local_polynomial(r.t, r.phi1, sigma["phi1"], width)
+        two = None
+        if r.phi2 is not None:
+            two = local_polynomial(r.t, r.phi2, sigma["phi2"], width)
+        edge = slice(width // 2, r.t.size - width // 2)
+        row = dict(t=r.t, y=one.value, v=one.first, a=one.second)
+        n = r.t.size
+        row["v2"], row["a2"] = (np.zeros(n), np.zeros(n)) if two is None else (two.first, two.second)
+        row["sin"] = np.sin(r.omega * r.t) if _sine(r) else np.zeros(n)
+        row["cos"] = np.cos(r.omega * r.t) if _sine(r) else np.zeros(n)
+        row["reading"] = np.zeros(n) if r.drive is None else r.drive
+        rows.append({k: v[edge] for k, v in row.items()})
+    d = {k: np.concatenate([row[k] for row in rows]) for k in rows[0]}
+    column = _column(d, B1, given, recordings)
+    if recordings[0].phi2 is None:
+        return column
+    return {**column, **_contact(d, column["B2"])}
+
+
+def _sine(r: Recording) -> bool:
+    return r.forced and r.omega is not None and r.drive is None
+
+
+def _column(d, B1, given, recordings) -> dict[str, float]:
+    rider = recordings[0].phi2 is not None
+    terms = {"k": d["y"], "c1": d["v"], "M1": np.sign(d["v"]) * (np.abs(d["v"]) > 0.05)}
+    if rider:
+        terms["B2"] = d["a"] + d["a2"]
+    if any(_sine(r) for r in recordings):
+        terms |= {"ks": -d["sin"], "kc": -d["cos"]}
+    if any(r.drive is not None for r in recordings):
+        terms |= {"kg": -d["reading"]}
+    terms |= {"kz": -np.ones_like(d["y"])}
+    target = -B1 * d["a"]
+    for name in ("B2", "k"):
+        if name in given and name in terms:
+            target = target - given[name] * terms.pop(name)
+    A = np.stack(list(terms.values()), axis=1)
+    norm = np.sqrt((A**2).mean(axis=0)) + 1e-300
+    positive = np.array([n in ("k", "c1", "M1", "B2") for n in terms])
+    lower = np.where(positive, 0.0, -np.inf)
+    x = lsq_linear(A / norm, target, (lower, np.full(A.shape[1], np.inf))).x / norm
+    v = {**dict(zip(terms, x, strict=True)), **given}
+    k = v["k"] = max(v["k"], 1e-9)
+    out = {"k": k, "c1": v["c1"], "M1": max(v["M1"], 1e-3 * np.abs(target).std())}
+    if rider:
+        out["B2"] = max(v["B2"], 1e-3 * B1)
+    if "ks" in v:
+        out["A"] = max(float(np.hypot(v["ks"], v["kc"])) / k, 1e-3)
+        out["phase"] = float(np.arctan2(v["kc"], v["ks"]))
+    if "kg" in v:
+        out["gain"] = v["kg"] / k
+        out["level"] = v["kz"] / k
+    else:
+        out["zero1"] = v["kz"] / k
+    return {n: float(x) for n, x in out.items()}
+
+
+def _contact(d, B2) -> dict[str, float]:
+    sliding = np.abs(d["v2"]) > max(0.1, 0.1 * float(np.abs(d["v2"]).max()))
+    torque = -B2 * (d["a"] + d["a2"])
+    size = float(np.abs(torque).max())
+    if sliding.sum() < 20:  # the rider never slides: only a lower bound of the friction is known
+        return {"Tv": 1e-3 * size, "Ts1": 1.5 * size, "Tst": 0.1 * size, "T0": 4.0}
+    v, y = d["v2"][sliding], torque[sliding]
+    best, fit = np.inf, np.zeros(3)
+    T0 = 4.0
+    for rate in T0_GRID:
+        A = np.stack([v, np.sign(v), np.sign(v) * -np.expm1(-rate * np.abs(v))], axis=1)
+        norm = np.sqrt((A**2).mean(axis=0))
+        trial = lsq_linear(A / norm, y, (np.zeros(3), np.full(3, np.inf)))
+        if trial.cost < best:
+            best, fit, T0 = trial.cost, trial.x / norm, rate
+    floor = 0.02 * np.abs(y).mean()
+    Tv, Ts1, Tst = fit
+    return {
+        "Tv": float(Tv), "Ts1": float(max(Ts1, floor)), "Tst": float(max(Tst, floor)),
+        "T0": float(T0),
+    }  # fmt: skip

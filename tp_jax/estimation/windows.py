@@ -1,0 +1,90 @@
+"""Recordings cut into windows: the samples of each, and its state's prior from the data alone."""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from tp_jax.recordings import Recording
+from tp_jax.recordings.smooth import local_polynomial
+
+#: Smoothed readings share samples with the window they start, so their weight is reduced: the
+#: prior only has to hold what the window cannot tell (the velocity of a stuck rider).
+PRIOR_INFLATION = 3.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Prepared:
+    """One recording, ready to be cut.
+
+    t: (n,) s; y: (n, 2) rad, zeros where a channel is missing; channels: (2,) bool;
+    smooth: (n, 4) smoothed readings and their rates; smooth_sd: (n, 4);
+    pieces: (n - 1, 4) cubic coefficients of the measured drive, or None.
+    """
+
+    t: np.ndarray
+    y: np.ndarray
+    channels: np.ndarray
+    smooth: np.ndarray
+    smooth_sd: np.ndarray
+    pieces: np.ndarray | None
+
+
+def prepare(recording: Recording, sigma: Mapping[str, float], width: int) -> Prepared:
+    """Smooths a recording once.
+
+    Args:
+        recording: the recording. sigma: noise by channel [rad].
+        width: samples of the smoothing window.
+    """
+    n = recording.t.size
+    y = np.zeros((n, 2))
+    smooth = np.zeros((n, 4))
+    sd = np.ones((n, 4))
+    channels = np.array([True, recording.phi2 is not None])
+    for c, (name, values) in enumerate((("phi1", recording.phi1), ("phi2", recording.phi2))):
+        if values is None:
+            continue
+        y[:, c] = values
+        fit = local_polynomial(recording.t, values, sigma[name], width)
+        smooth[:, c], smooth[:, 2 + c] = fit.value, fit.first
+        sd[:, c], sd[:, 2 + c] = fit.value_error, fit.first_error
+    pieces = None
+    if recording.drive is not None:
+        pieces = CubicSpline(recording.t, recording.drive).c.T
+    return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces)
+
+
+@dataclasses.dataclass(frozen=True)
+class Windows:
+    """Windows of several recordings: recording index, first sample and sample count, each (w,)."""
+
+    recording: np.ndarray
+    first: np.ndarray
+    count: np.ndarray
+    horizon: float
+
+    @property
+    def n(self) -> int:
+        """Number of windows."""
+        return self.recording.size
+
+
+def cut(prepared: Sequence[Prepared], horizon: float, minimum: int = 8) -> Windows:
+    """Cuts recordings into windows of about `horizon` seconds.
+
+    Each sample belongs to exactly one window. Windows of one recording have equal counts up to
+    one sample, at least `minimum`.
+    """
+    recording, first, count = [], [], []
+    for r, data in enumerate(prepared):
+        n = data.t.size
+        step = float(np.median(np.diff(data.t)))
+        size = max(minimum, round(horizon / step))
+        pieces = max(1, round(n / size))
+        edges = np.linspace(0, n, pieces + 1).round().astype(int)
+        recording += [r] * pieces
+        first += list(edges[:-1])
+        count += list(np.diff(edges))
+    return Windows(np.array(recording), np.array(first), np.array(count), horizon)

@@ -1,0 +1,14 @@
+"""Conversion of parameters to float64 arrays."""
+
+import jax.numpy as jnp
+from jax.typing import ArrayLike
+from jaxtyping import Array, Float
+
+
+def as_float(x: ArrayLike) -> Float[Array, "..."]:
+    """Turns a number into a floating-point array.
+
+    Fields of the modules pass through here, since a Python float as a leaf would make every new
+    value a new program.
+    """
+    return jnp.asarray(x, dtype=float)

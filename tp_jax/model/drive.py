@@ -1,0 +1,109 @@
+"""The motion of the spring's far end, f_e(t) [rad]."""
+
+from abc import abstractmethod
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from tp_jax.model.arrays import as_float
+
+
+class AbstractDrive(eqx.Module):
+    """A drive gives a phase [rad] at a time, and an angle [rad] at a time and phase.
+
+    They are apart so that an effect can act on the phase (a wrong motor speed) or on the angle
+    (a cam that is not round).
+    """
+
+    @abstractmethod
+    def phase(self, t: Float[Array, "..."]) -> Float[Array, "..."]:
+        """Phase theta of the drive [rad]."""
+
+    @abstractmethod
+    def angle(self, t: Float[Array, "..."], theta: Float[Array, "..."]) -> Float[Array, "..."]:
+        """Angle f_e of the spring's far end [rad]."""
+
+    @property
+    @abstractmethod
+    def amplitude(self) -> Float[Array, "..."]:
+        """Amplitude of a sine drive [rad], zero for others."""
+
+
+class SineDrive(AbstractDrive):
+    """`f_e = A sin(omega t + offset)`, equation (3b); a motor at rest has A = 0.
+
+    Fields: A [rad], omega [rad/s], offset (the phase at t = 0) [rad].
+    """
+
+    A: Float[Array, "..."] = eqx.field(converter=as_float)
+    omega: Float[Array, "..."] = eqx.field(converter=as_float)
+    offset: Float[Array, "..."] = eqx.field(converter=as_float, default=0.0)
+
+    def phase(self, t):
+        return self.omega * t + self.offset
+
+    def angle(self, t, theta):  # noqa: ARG002
+        return self.A * jnp.sin(theta)
+
+    @property
+    def amplitude(self):
+        return self.A
+
+
+class PiecewiseCubicDrive(AbstractDrive):
+    """A measured drive: cubic pieces between the samples, up to a gain and an offset.
+
+    Fields: gain [rad per unit of the reading], offset [rad], knots (n,) [s], coefficients
+    (4, n - 1) as `scipy.interpolate.CubicSpline.c`, highest power first.
+    """
+
+    gain: Float[Array, ""] = eqx.field(converter=as_float)
+    offset: Float[Array, ""] = eqx.field(converter=as_float)
+    knots: Float[Array, " n"] = eqx.field(converter=as_float)
+    coefficients: Float[Array, "4 n-1"] = eqx.field(converter=as_float)
+
+    def phase(self, t):
+        return jnp.zeros_like(t)
+
+    def angle(self, t, theta):  # noqa: ARG002
+        i = jnp.clip(jnp.searchsorted(self.knots, t, side="right") - 1, 0, self.knots.size - 2)
+        reading = cubic(self.coefficients[:, i], t - self.knots[i])
+        return self.gain * reading + self.offset
+
+    @property
+    def amplitude(self):
+        return jnp.zeros(())
+
+
+class LanewiseDrive(AbstractDrive):
+    """What the batch engine uses: a sine and one cubic piece, side by side, for every lane.
+
+    A commanded lane has gain and offset 0, a measured one A = 0; so both kinds are data of the
+    same program. Fields as in `SineDrive` and `PiecewiseCubicDrive`; `piece` is (4, ...), `left`
+    the start of the piece [s].
+    """
+
+    A: Float[Array, "..."]
+    omega: Float[Array, "..."]
+    offset: Float[Array, "..."]
+    gain: Float[Array, "..."]
+    level: Float[Array, "..."]
+    piece: Float[Array, "4 ..."]
+    left: Float[Array, "..."]
+
+    def phase(self, t):
+        return self.omega * t + self.offset
+
+    def angle(self, t, theta):
+        reading = cubic(self.piece, t - self.left)
+        return self.A * jnp.sin(theta) + self.gain * reading + self.level
+
+    @property
+    def amplitude(self):
+        return self.A
+
+
+def cubic(c: Float[Array, "4 ..."], x: Float[Array, "..."]) -> Float[Array, "..."]:
+    """Value at `x` of the cubic with coefficients `c`, highest power first."""
+    return ((c[0] * x + c[1]) * x + c[2]) * x + c[3]

@@ -1,0 +1,31 @@
+"""Smoothed dry friction: the arctangent of equations (5) and (6)."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+def smooth_sign(v: Float[Array, "..."], eps: Float[Array, "..."]) -> Float[Array, "..."]:
+    """Smoothed sign of a velocity, `(2/pi) arctan(eps v)`.
+
+    Args:
+        v: velocity [rad/s].
+        eps: slope of the smoothing [s]; numerical, not physical. A stuck body creeps with
+            `tan(pi M / 2 M_max) / eps`.
+
+    Source: Czerwinski, Olejnik, Awrejcewicz (2015), equation (5).
+    """
+    return (2.0 / jnp.pi) * jnp.arctan(eps * v)
+
+
+def rising_sign(v: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Array, "..."]:
+    """`(1 - exp(-rate |v|)) sgn v`: dry friction that builds up with speed, zero at rest.
+
+    Args:
+        v: velocity [rad/s].
+        rate: T0 of the paper [s/rad].
+
+    Source: equation (6), last term. The paper calls it the Stribeck effect; for a positive
+    coefficient it rises with speed, a Stribeck drop needs a negative one.
+    """
+    # -expm1(-x) keeps all digits for the tiny velocities of a stuck body.
+    return -jnp.expm1(-rate * jnp.abs(v)) * jnp.sign(v)

@@ -1,0 +1,29 @@
+"""Recordings of a rig, and the campaigns they make: reading, checking, writing.
+
+    lines, cells -> formats     data files to columns of numbers
+    sections -> entries         campaign.toml to what it says
+    recording, checks           one run, and whether it can be what it is said to be
+    campaign                    all of them together: `load_campaign`
+    noise, smooth, holdout      noise levels, starting states, what is never fitted
+    writer                      CSV out
+
+Every fault of the user's files is a `CampaignError`, one sentence that names file, line and mend.
+NumPy and the standard library only: recording does not wait for JAX.
+"""
+
+from tp_jax.recordings.campaign import Campaign as Campaign
+from tp_jax.recordings.campaign import load_campaign as load_campaign
+from tp_jax.recordings.checks import LEAST_SAMPLES as LEAST_SAMPLES
+from tp_jax.recordings.entries import Known as Known
+from tp_jax.recordings.faults import CampaignError as CampaignError
+from tp_jax.recordings.formats import Columns as Columns
+from tp_jax.recordings.formats import ColumnSource as ColumnSource
+from tp_jax.recordings.formats import FileFormat as FileFormat
+from tp_jax.recordings.formats import read_columns as read_columns
+from tp_jax.recordings.holdout import hold_out as hold_out
+from tp_jax.recordings.noise import noise_floor as noise_floor
+from tp_jax.recordings.noise import noise_level as noise_level
+from tp_jax.recordings.recording import Recording as Recording
+from tp_jax.recordings.smooth import Smoothed as Smoothed
+from tp_jax.recordings.smooth import local_polynomial as local_polynomial
+from tp_jax.recordings.writer import write_csv as write_csv

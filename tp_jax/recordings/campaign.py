@@ -1,0 +1,227 @@
+"""A campaign: the recordings of one rig, as its campaign.toml lists them."""
+
+import os
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
+from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
+from tp_jax.recordings.faults import CampaignError
+from tp_jax.recordings.formats import Columns, read_columns
+from tp_jax.recordings.recording import Recording, spanned, within
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """Recordings of one rig and what is known of it.
+
+    Attributes:
+        name: of the campaign.
+        model: "double", or "single" for a column without ring.
+        B1: moment of inertia of the column [kg m^2], which fixes the scale; None: not known.
+        B2: moment of inertia of the ring [kg m^2], fixed or a prior.
+        k: stiffness of the spring [N m/rad], fixed or a prior.
+        sample_rate: as stated [Hz]; the recordings agree with it, their times decide.
+        recordings: one or more, in the order of the campaign.toml.
+        folder: of the campaign.
+    """
+
+    name: str
+    model: Model
+    B1: float | None
+    B2: Known | None
+    k: Known | None
+    sample_rate: float | None
+    recordings: tuple[Recording, ...]
+    folder: Path
+
+    @property
+    def fitted(self) -> tuple[Recording, ...]:
+        """The recordings that may be fitted."""
+        return tuple(each for each in self.recordings if not each.held_out)
+
+    @property
+    def held_out(self) -> tuple[Recording, ...]:
+        """The recordings that are only predicted and scored."""
+        return tuple(each for each in self.recordings if each.held_out)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the measured angles."""
+        return ("phi1", "phi2") if self.model == "double" else ("phi1",)
+
+    @property
+    def data_sha256(self) -> dict[str, str]:
+        """Name of each file -> SHA-256 of its bytes."""
+        return {each.name: each.sha256 for each in self.recordings}
+
+
+def load_campaign(
+    path: str | os.PathLike[str], *, omega: float | None = None, decay: bool = False
+) -> Campaign:
+    """Reads a campaign and checks all of it.
+
+    Args:
+        path: a folder with a campaign.toml, the campaign.toml, or a single data file.
+        omega: frequency of the drive [rad/s], for a single data file.
+        decay: the single data file is a free decay, the motor at rest.
+
+    Raises:
+        CampaignError: anything that keeps the campaign from being used, in one sentence.
+    """
+    path = Path(path)
+    if not os.path.exists(path):  # False also for what could be no name at all
+        raise CampaignError(
+            path,
+            "there is no such file or folder",
+            "name a folder with a campaign.toml, or a data file",
+        )
+    toml = path / "campaign.toml" if path.is_dir() else path
+    if not toml.is_file():
+        raise CampaignError(
+            toml,
+            "there is no such file",
+            "write one, or name a single data file with --omega W or --decay",
+        )
+    if toml.suffix.lower() != ".toml":
+        return _load(toml, _plan_of_one(path, omega, decay))
+    if omega is not None or decay:
+        raise CampaignError(
+            toml,
+            "--omega and --decay are for a single data file",
+            "leave them out, the campaign.toml says how each recording was driven",
+        )
+    return _load(toml, read_plan(toml))
+
+
+def _plan_of_one(file: Path, omega: float | None, decay: bool) -> Plan:
+    if decay == (omega is not None):
+        wrong = "driven and a free decay at once" if decay else "a single file does not say"
+        raise CampaignError(
+            file,
+            f"how the recording was driven is unclear, {wrong}",
+            "give either --omega W in rad/s, or --decay",
+        )
+    if omega is not None and not 0.0 < omega < float("inf"):
+        raise CampaignError(
+            file,
+            f"the drive's frequency is {omega:g}",
+            "give --omega W above zero in rad/s, or --decay for a free decay",
+        )
+    entry = Entry(name=file.name, file=file, forced=not decay, omega=omega)
+    return Plan(name=file.stem, entries=(entry,))
+
+
+def _load(toml: Path, plan: Plan) -> Campaign:
+    files = _read_files(plan)
+    model = _model(toml, plan, files)
+    appearances = Counter(entry.file for entry in plan.entries)
+    recordings = []
+    for entry in plan.entries:
+        recording = _recording(toml, entry, files[entry.file], model)
+        if appearances[entry.file] > 1 and entry.span is not None:
+            recording = replace(recording, label=spanned(entry.name, entry.span))
+        check_recording(recording, plan.sample_rate)
+        recordings.append(recording)
+    _check_overlaps(toml, plan, recordings)
+    return Campaign(
+        name=plan.name,
+        model=model,
+        B1=plan.B1,
+        B2=plan.B2,
+        k=plan.k,
+        sample_rate=plan.sample_rate,
+        recordings=tuple(recordings),
+        folder=toml.parent,
+    )
+
+
+def _read_files(plan: Plan) -> dict[Path, Columns]:
+    wanted = {entry.file: ["t", "phi1"] for entry in plan.entries}
+    for names in wanted.values():
+        if plan.model != "single":
+            names.append("phi2")
+    for entry in plan.entries:
+        if entry.measured_drive and "drive" not in wanted[entry.file]:
+            wanted[entry.file].append("drive")
+    files = {}
+    for file, names in wanted.items():
+        files[file] = read_columns(file, plan.form, names)
+        check_times(files[file])
+    return files
+
+
+def _model(toml: Path, plan: Plan, files: dict[Path, Columns]) -> Model:
+    if plan.model == "single":
+        return "single"
+    without = [columns for columns in files.values() if "phi2" not in columns.values]
+    if plan.model is None and len(without) == len(files):
+        return "single"
+    if without:
+        if plan.form.columns:  # one mapping for all files
+            raise CampaignError(
+                toml,
+                'model is "double", but [format.columns] does not say where phi2 is',
+                'add phi2 to it, or write model = "single"',
+            )
+        raise CampaignError(
+            without[0].file,
+            'there is no column phi2, which model = "double" needs in every recording'
+            if plan.model
+            else "there is no column phi2, though other recordings of the campaign have one",
+            'add it, or write model = "single" under [rig]',
+            without[0].header,
+        )
+    return "double"
+
+
+def _recording(toml: Path, entry: Entry, columns: Columns, model: Model) -> Recording:
+    if entry.measured_drive and "drive" not in columns.values:
+        raise CampaignError(
+            entry.file,
+            'there is no column drive, which drive = "measured" needs',
+            "add it, say where it is under [format.columns], or give omega instead",
+            columns.header,
+        )
+    t = columns.values["t"]
+    begin, end = (0, t.size) if entry.span is None else within(t, *entry.span)
+    check_span(columns, entry, begin, end, toml)
+    check_values(columns, begin, end)
+    part = {name: values[begin:end] for name, values in columns.values.items()}
+    return Recording(
+        name=entry.name,
+        label=entry.name,
+        file=entry.file,
+        t=part["t"],
+        phi1=part["phi1"],
+        phi2=part["phi2"] if model == "double" else None,
+        drive=part["drive"] if entry.measured_drive else None,
+        forced=entry.forced,
+        omega=entry.omega,
+        span=entry.span,
+        start=entry.start,
+        repeat=entry.repeat,
+        held_out=entry.held_out,
+        sha256=columns.sha256,
+    )
+
+
+def _check_overlaps(toml: Path, plan: Plan, recordings: list[Recording]) -> None:
+    """A held-out span that is fitted as well would make the score worthless."""
+    pairs = list(zip(plan.entries, recordings, strict=True))
+    for entry, held in pairs:
+        if not held.held_out:
+            continue
+        for _, fitted in pairs:
+            if fitted.held_out or fitted.sha256 != held.sha256:
+                continue
+            # Spans may meet in a sample.
+            common = min(held.t[-1], fitted.t[-1]) - max(held.t[0], fitted.t[0])
+            if common > 0.01 * min(held.duration, fitted.duration):
+                raise CampaignError(
+                    toml,
+                    f"{common:.3g} s of {held.label}, held_out, are fitted as {fitted.label}",
+                    "let the spans of the two entries not overlap",
+                    entry.line,
+                )

@@ -1,0 +1,138 @@
+"""Whether the data of a recording can be what they are said to be."""
+
+from pathlib import Path
+
+import numpy as np
+
+from tp_jax.recordings.entries import Entry
+from tp_jax.recordings.faults import CampaignError
+from tp_jax.recordings.formats import Columns
+from tp_jax.recordings.noise import noise_level
+from tp_jax.recordings.recording import Recording
+
+LEAST_SAMPLES = 50
+
+WIDEST_PHI1 = 12.0
+"""Span of phi1 [rad] above which it is taken for degrees: the spring would not stand it. phi2
+has no such bound, the ring may go round and round."""
+
+RATE_TOLERANCE = 0.05
+
+
+def check_times(columns: Columns) -> None:
+    """Faults times that are not finite or do not rise.
+
+    Raises:
+        CampaignError: at the first such row.
+    """
+    t = columns.values["t"]
+    _check_finite(columns, "t", 0, t.size)
+    bad = np.flatnonzero(np.diff(t) <= 0.0)
+    if not bad.size:
+        return
+    i = int(bad[0]) + 1
+    if t[i] == t[i - 1]:
+        wrong, mend = f"the time {t[i]:g} s is repeated", "remove one of the two rows"
+    else:
+        wrong = f"time runs backwards from {t[i - 1]:g} to {t[i]:g} s"
+        mend = "put the rows in order of time, or split the file where a new run begins"
+    raise CampaignError(columns.file, wrong, mend, columns.numbers[i])
+
+
+def check_values(columns: Columns, begin: int, end: int) -> None:
+    """Faults values in rows begin to end that are not finite.
+
+    Raises:
+        CampaignError: at the first such row of a column.
+    """
+    for name in columns.values:
+        _check_finite(columns, name, begin, end)
+
+
+def check_span(columns: Columns, entry: Entry, begin: int, end: int, toml: Path) -> None:
+    """Faults a span without data, and too few samples.
+
+    Raises:
+        CampaignError: the rows begin to end do not make a recording.
+    """
+    t = columns.values["t"]
+    if end - begin >= LEAST_SAMPLES:
+        return
+    if entry.span is None:
+        raise CampaignError(
+            entry.file,
+            f"the file has {_samples(end - begin)}, but {LEAST_SAMPLES} are needed",
+            "record for longer or at a higher rate",
+        )
+    where = f"the span [{entry.span[0]:g}, {entry.span[1]:g}] s of {entry.name}"
+    if begin >= end:
+        wrong = f"{where} holds no data, which last from {t[0]:g} to {t[-1]:g} s"
+    else:
+        wrong = f"{where} holds {_samples(end - begin)}, but {LEAST_SAMPLES} are needed"
+    raise CampaignError(toml, wrong, "choose a span that covers more of the data", entry.line)
+
+
+def check_recording(recording: Recording, sample_rate: float | None) -> None:
+    """Faults degrees, a pendulum at rest, and another sample rate than the campaign's.
+
+    Args:
+        recording: with finite values and rising times.
+        sample_rate: as the campaign states it [Hz], or None.
+
+    Raises:
+        CampaignError: the recording is not what it is said to be.
+    """
+    _check_angles(recording)
+    _check_motion(recording)
+    if sample_rate is None:
+        return
+    rate = 1.0 / float(np.median(np.diff(recording.t)))
+    if abs(rate / sample_rate - 1.0) > RATE_TOLERANCE:
+        raise CampaignError(
+            recording.file,
+            f"the time column has {rate:.4g} samples a second, but sample_rate is {sample_rate:g}",
+            "correct sample_rate under [rig], or give t in seconds",
+        )
+
+
+def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
+    values = columns.values[name][begin:end]
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise CampaignError(
+            columns.file,
+            f"{name} is {values[bad[0]]}",
+            "remove the row or write the number measured",
+            columns.numbers[begin + int(bad[0])],
+        )
+
+
+def _check_angles(recording: Recording) -> None:
+    width = float(np.ptp(recording.phi1))
+    if width > WIDEST_PHI1:
+        raise CampaignError(
+            recording.file,
+            f"phi1 spans {width:.4g}, too much for radians and probably degrees",
+            "give the angles in radians, or scale = 0.017453292519943295 for phi1 and phi2 "
+            "under [format.columns]",
+        )
+
+
+def _check_motion(recording: Recording) -> None:
+    width = float(np.ptp(recording.phi1))
+    noise = noise_level(recording.t, recording.phi1)
+    # The largest of n normal deviates is near sqrt(2 ln n); a body at rest has no more than
+    # noise. Both signs of motion must be absent: a short swing widens only the span, and noise
+    # that moves slowly only the standard deviation.
+    widest = (2.0 * np.sqrt(2.0 * np.log(recording.n)) + 4.0) * noise
+    if width > widest or np.std(recording.phi1) > 2.5 * noise > 0.0:
+        return
+    raise CampaignError(
+        recording.file,
+        f"phi1 does not move, it spans {width:.2g} rad at a noise of {noise:.2g} rad",
+        "check the sensor, the column and the sample rate, or remove the recording",
+    )
+
+
+def _samples(n: int) -> str:
+    return f"{n} sample" if n == 1 else f"{n} samples"

@@ -1,0 +1,237 @@
+"""What a campaign.toml says, before any data file is read."""
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, cast
+
+from tp_jax.recordings.faults import CampaignError
+from tp_jax.recordings.formats import NAMES, REQUIRED, ColumnSource, FileFormat
+from tp_jax.recordings.sections import Section, read_toml
+
+Model = Literal["double", "single"]
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of a parameter beforehand.
+
+    Attributes:
+        value: in the parameter's unit.
+        sd: standard deviation of the prior; None: the value is fixed.
+    """
+
+    value: float
+    sd: float | None = None
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A `[[recording]]`; attributes as in `Recording`.
+
+    Attributes:
+        line: of its heading in the campaign.toml; None where there is none.
+    """
+
+    name: str
+    file: Path
+    forced: bool
+    omega: float | None = None
+    measured_drive: bool = False
+    span: tuple[float, float] | None = None
+    start: float | None = None
+    repeat: str | None = None
+    held_out: bool = False
+    line: int | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A campaign.toml; attributes as in `Campaign`, model None where it does not say."""
+
+    name: str
+    model: Model | None = None
+    B1: float | None = None
+    B2: Known | None = None
+    k: Known | None = None
+    sample_rate: float | None = None
+    form: FileFormat = field(default_factory=FileFormat)
+    entries: tuple[Entry, ...] = ()
+
+
+def read_plan(file: Path) -> Plan:
+    """Reads a campaign.toml.
+
+    Raises:
+        CampaignError: it is no TOML, or says something that cannot be.
+    """
+    top = read_toml(file)
+    top.only("name", "rig", "format", "recording")
+    rig = top.section("rig") or Section(file, "[rig]", {}, top.lines, 0, 0)
+    rig.only("model", "B1", "B2", "k", "sample_rate")
+    model = rig.text("model")
+    if model not in (None, "double", "single"):
+        rig.fault(f'model is "{model}"', 'write model = "double" or model = "single"', "model")
+    entries = tuple(_entry(section) for section in top.sections("recording"))
+    if not entries:
+        raise CampaignError(
+            file, "the campaign has no recordings", "add a [[recording]] with its file"
+        )
+    _check_entries(file, entries)
+    return Plan(
+        name=top.text("name") or file.resolve().parent.name,
+        model=cast(Model | None, model),
+        B1=rig.positive("B1"),
+        B2=_known(rig, "B2"),
+        k=_known(rig, "k"),
+        sample_rate=rig.positive("sample_rate"),
+        form=_format(top.section("format")),
+        entries=entries,
+    )
+
+
+def _known(rig: Section, key: str) -> Known | None:
+    if not isinstance(rig.values.get(key), dict):
+        value = rig.positive(key)
+        return None if value is None else Known(value)
+    prior = cast(Section, rig.section(key))
+    prior.only("value", "sd")
+    value, sd = prior.positive("value"), prior.positive("sd")
+    if value is None or sd is None:
+        rig.fault(
+            f"the prior of {key} lacks its {'sd' if sd is None else 'value'}",
+            f"write {key} = {{ value = .., sd = .. }}, or a number to fix it",
+            key,
+        )
+    return Known(value, sd)
+
+
+def _format(section: Section | None) -> FileFormat:
+    if section is None:
+        return FileFormat()
+    section.only("delimiter", "decimal", "skip_lines", "columns")
+    delimiter = section.text("delimiter")
+    if delimiter is not None and (len(delimiter) != 1 or delimiter in "\r\n"):
+        section.fault(
+            "the delimiter is not one character", 'write delimiter = "," or "\\t"', "delimiter"
+        )
+    decimal = section.text("decimal") or "."
+    if decimal not in (".", ","):
+        section.fault(
+            f'the decimal sign is "{decimal}"', 'write decimal = "." or decimal = ","', "decimal"
+        )
+    if delimiter == decimal:
+        section.fault(
+            f'delimiter and decimal are both "{decimal}"', "say which of them it is", "delimiter"
+        )
+    columns = section.section("columns")
+    return FileFormat(
+        delimiter=delimiter,
+        decimal=decimal,
+        skip_lines=section.whole("skip_lines"),
+        columns={} if columns is None else _columns(columns),
+    )
+
+
+def _columns(columns: Section) -> dict[str, ColumnSource]:
+    columns.only(*NAMES)
+    for name in REQUIRED:
+        if name not in columns.values:
+            columns.fault(
+                f"{columns.title} does not say where {name} is", f"add {name} = {{ column = 0 }}"
+            )
+    return {name: _column(columns, name) for name in columns.values}
+
+
+def _column(columns: Section, name: str) -> ColumnSource:
+    section = cast(Section, columns.section(name))
+    section.only("column", "scale", "offset")
+    column = section.values.get("column")
+    if isinstance(column, int):
+        column = section.whole("column")
+    if column is None or not isinstance(column, int | str):
+        columns.fault(
+            f"{name} in {columns.title} lacks the column it comes from",
+            f'write {name} = {{ column = 0 }} or {name} = {{ column = "its name" }}',
+            name,
+        )
+    scale, offset = section.number("scale"), section.number("offset")
+    if scale == 0.0:
+        columns.fault(f"the scale of {name} is 0", "give another or remove it", name)
+    return ColumnSource(column, 1.0 if scale is None else scale, offset or 0.0)
+
+
+def _entry(section: Section) -> Entry:
+    section.only("file", "omega", "forced", "drive", "span", "start", "repeat", "held_out")
+    name = section.text("file")
+    if name is None:
+        section.fault("the [[recording]] names no file", 'add file = "run-13.csv"')
+    drive = section.text("drive")
+    if drive not in (None, "measured"):
+        section.fault(
+            f'drive of {name} is "{drive}"', 'write drive = "measured" or remove it', "drive"
+        )
+    omega, forced = section.number("omega"), section.flag("forced")
+    if forced is None:
+        if omega is None and drive is None:
+            section.fault(
+                f"nothing says how {name} was driven",
+                "add omega = W and forced = true, or forced = false for a free decay",
+            )
+        forced = drive is not None or omega != 0.0
+    if forced and omega is None and drive is None:
+        section.fault(
+            f"{name} was forced, but its omega is missing",
+            'add omega = W in rad/s, or drive = "measured"',
+        )
+    if forced and omega is not None and omega <= 0.0:
+        section.fault(
+            f"{name} was forced, but its omega is {omega:g}",
+            "give omega above zero in rad/s, or forced = false for a free decay",
+            "omega",
+        )
+    return Entry(
+        name=name,
+        file=section.file.parent / name,
+        forced=forced,
+        omega=omega if forced else None,  # the motor stood still, whatever was commanded
+        measured_drive=drive is not None,
+        span=_span(section, name),
+        start=section.number("start"),
+        repeat=section.text("repeat"),
+        held_out=bool(section.flag("held_out")),
+        line=section.line(),
+    )
+
+
+def _span(section: Section, name: str) -> tuple[float, float] | None:
+    span = section.pair("span")
+    if span is not None and not span[0] < span[1]:
+        kind = "empty" if span[0] == span[1] else "reversed"
+        section.fault(
+            f"the span [{span[0]:g}, {span[1]:g}] of {name} is {kind}",
+            "write span = [from, to] in seconds",
+            "span",
+        )
+    return span
+
+
+def _check_entries(file: Path, entries: tuple[Entry, ...]) -> None:
+    seen: dict[tuple, Entry] = {}
+    for entry in entries:
+        # Same file however it is written: "a.csv" and "./a.csv".
+        first = seen.setdefault((os.path.abspath(entry.file), entry.span), entry)
+        if first is not entry:
+            raise CampaignError(
+                file,
+                f"{entry.name} is listed twice with the same span",
+                "remove one of the two or give them different spans",
+                entry.line,
+            )
+    if all(entry.held_out for entry in entries):
+        raise CampaignError(
+            file,
+            "every recording is held_out, nothing is left to fit",
+            "remove held_out = true from one or more of them",
+            entries[0].line,
+        )

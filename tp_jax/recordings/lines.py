@@ -1,0 +1,78 @@
+"""A data file as text: its encoding, its line ends, and the numbers of its lines."""
+
+import hashlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from tp_jax.recordings.faults import CampaignError, nearest, reason
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The lines of a file that are not blank.
+
+    Attributes:
+        file: the file they come from.
+        text: the lines, without their ends.
+        numbers: 1-based line of each in the file, blank ones counted.
+        sha256: of the file's bytes, in hexadecimal.
+    """
+
+    file: Path
+    text: list[str]
+    numbers: list[int]
+    sha256: str
+
+
+def read_lines(file: Path) -> Lines:
+    """Reads a text file with any line ends (also CR CR LF), with or without a byte-order mark.
+
+    Raises:
+        CampaignError: the file is missing, cannot be read, or holds nothing but blank lines.
+    """
+    if not os.path.exists(file):  # False also for what could be no name at all
+        near = nearest(file.name, [each.name for each in _siblings(file)])
+        mend = f'did you mean "{near}"?' if near else "correct the name or put the file there"
+        raise CampaignError(file, "there is no such file", mend)
+    try:
+        raw = file.read_bytes()
+    except OSError as error:
+        raise CampaignError(
+            file, f"the file cannot be read ({reason(error)})", "name a text file that can be read"
+        ) from error
+    physical = _split(_decoded(raw))
+    kept = [(line, i) for i, line in enumerate(physical, start=1) if line and not line.isspace()]
+    if not kept:
+        raise CampaignError(file, "the file is empty", "record it again or remove its entry")
+    return Lines(
+        file=file,
+        text=[line for line, _ in kept],
+        numbers=[i for _, i in kept],
+        sha256=hashlib.sha256(raw).hexdigest(),
+    )
+
+
+def _siblings(file: Path) -> list[Path]:
+    try:
+        return sorted(file.parent.iterdir())
+    except OSError:
+        return []
+
+
+def _decoded(raw: bytes) -> str:
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return raw.decode("utf-16", errors="replace")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        # Only a unit in the header ("°") can be at stake; Latin-1 decodes any byte.
+        return raw.decode("latin-1")
+
+
+def _split(text: str) -> list[str]:
+    # A run of CRs before an LF is one line end: some makers' programs write CR CR LF.
+    # str.splitlines would also split at form feeds and the like, and the numbers would be off.
+    while "\r\n" in text:
+        text = text.replace("\r\n", "\n")
+    return text.replace("\r", "\n").split("\n")

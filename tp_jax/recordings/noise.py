@@ -1,0 +1,126 @@
+"""The level of the sensors' white noise, from the recorded angles alone.
+
+Differences of order m wipe out whatever a polynomial of degree m - 1 can follow within m + 1
+samples, and leave the noise. Low orders leave some of the motion too; the motion's share falls
+with every order where the sampling resolves it, the noise's stays. The order is therefore raised
+until the level no longer falls by more than its own sampling error. A robust scale keeps the few
+samples near a kink (where friction turns round) out of it.
+"""
+
+from collections.abc import Iterable
+from math import comb
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from tp_jax.recordings.recording import Recording
+
+ORDERS = range(2, 9)
+
+_CLIP = 3.0  # standard deviations
+_CLIPPED_VARIANCE = 0.97333  # of a standard normal, given that it lies within _CLIP
+
+
+def noise_level(t: np.ndarray, y: np.ndarray) -> float:
+    """Standard deviation of the white measurement noise of one channel.
+
+    Never below quantum / sqrt(12), the error of rounding, where y comes in steps. Noise of a
+    band narrower than the sampling looks like motion and is not counted.
+
+    Args:
+        t: (n,) rising times [s]; they need not be uniform.
+        y: (n,) values, n >= 10 for all orders to be used.
+
+    Returns:
+        The level in y's unit; 0 for a constant.
+
+    Raises:
+        ValueError: fewer than 4 samples.
+    """
+    t, y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
+    if t.size < 4:
+        raise ValueError(f"A noise level needs 4 samples or more, but there are {t.size}.")
+    levels, errors = [], []
+    for order, difference in _differences(t, y):
+        level = _robust_scale(difference)
+        levels.append(level)
+        errors.append(level * _relative_error(order, difference.size))
+    # The first order, not the smallest level: the least of several estimates is biased.
+    settled = next(i for i, level in enumerate(levels) if level - min(levels[i:]) <= errors[i])
+    return max(levels[settled], quantum(y) / float(np.sqrt(12.0)))
+
+
+def noise_floor(recordings: Iterable[Recording]) -> dict[str, float]:
+    """Noise level of each channel, pooled over recordings.
+
+    The median of the variances: one recording with a disturbance does not set the level of all.
+
+    Returns:
+        "phi1" (and "phi2" where measured) -> standard deviation [rad].
+    """
+    variances: dict[str, list[float]] = {}
+    for recording in recordings:
+        for name, values in recording.channels.items():
+            variances.setdefault(name, []).append(noise_level(recording.t, values) ** 2)
+    return {name: float(np.sqrt(np.median(each))) for name, each in variances.items()}
+
+
+def quantum(y: np.ndarray) -> float:
+    """The step of a channel that comes in steps; 0 where it does not, or where it is constant.
+
+    Args:
+        y: (n,) values.
+    """
+    values = np.unique(y)
+    if 2 * values.size > y.size:
+        return 0.0  # hardly a value repeats: a step, if any, shows as noise in the differences
+    steps = np.diff(values)
+    # One reading converted in two ways differs in the last digits: no step.
+    steps = steps[steps > 1e-9 * np.abs(values).max()]
+    if not steps.size:
+        return 0.0
+    step = float(steps.min())
+    multiples = steps[steps < 10.0 * step] / step
+    on_grid = np.abs(multiples - np.round(multiples)) < 0.1  # a file may round the readings again
+    return step if np.mean(on_grid) > 0.9 else 0.0
+
+
+def _differences(t: np.ndarray, y: np.ndarray):
+    """Divided differences of each order, scaled to the noise's own standard deviation.
+
+    On a uniform grid they are the differences divided by sqrt(binom(2m, m)). On another one
+    the weights follow the times, so that jitter lets no motion through.
+    """
+    x = (t - t[0]) / np.median(np.diff(t))
+    weights = np.ones((t.size, 1))
+    y = y - np.median(y)
+    for order in range(1, min(ORDERS.stop - 1, t.size - 2) + 1):
+        width = (x[order:] - x[:-order])[:, None]
+        upper = np.pad(weights[1:] / width, ((0, 0), (1, 0)))
+        lower = np.pad(weights[:-1] / width, ((0, 0), (0, 1)))
+        weights = upper - lower
+        if order in ORDERS:
+            value = np.einsum("nw,nw->n", weights, sliding_window_view(y, order + 1))
+            yield order, value / np.sqrt(np.einsum("nw,nw->n", weights, weights))
+
+
+def _robust_scale(values: np.ndarray) -> float:
+    """Standard deviation of the bulk: clipped at three of them, from the MAD on.
+
+    The MAD alone would do, but its sampling error is 1.6 times as large.
+    """
+    size = np.abs(values)
+    scale = 1.4826 * float(np.median(size))
+    if scale == 0.0:
+        # More than half the differences vanish: a coarse reading of a body nearly at rest.
+        bulk = size[size <= np.quantile(size, 0.99)]
+        return float(np.sqrt(np.mean(bulk**2)))
+    for _ in range(5):
+        bulk = size[size <= _CLIP * scale]
+        scale = float(np.sqrt(np.mean(bulk**2) / _CLIPPED_VARIANCE))
+    return scale
+
+
+def _relative_error(order: int, n: int) -> float:
+    """Standard error of the scale over the scale; neighbouring differences are correlated."""
+    return float(np.sqrt(comb(4 * order, 2 * order) / (2.0 * n)) / comb(2 * order, order))

@@ -1,0 +1,114 @@
+"""One run of a rig: times, angles, and how it was driven."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One run, or the span of it that is to be used.
+
+    Arrays are read-only. Two recordings are equal only where they are the same object.
+
+    Attributes:
+        name: the file as the campaign names it.
+        label: unique in its campaign: the name, with the span where a file appears more than once
+            or was cut ("run.csv[0,200]").
+        file: the data file.
+        t: (n,) times [s] as in the file, rising, not shifted and not necessarily uniform.
+        phi1: (n,) angle of the column [rad].
+        phi2: (n,) angle of the ring [rad]; None on a single pendulum.
+        drive: (n,) measured drive, in an unknown unit; only where the drive is measured.
+        forced: whether the motor ran; otherwise it stood at neutral.
+        omega: commanded frequency of the drive [rad/s]; None for a decay, and where the drive is
+            measured and nobody said.
+        span: (t0, t1) [s], the part of the file that is used; None: all of it.
+        start: the campaign's clock [s] at t = 0 of the file; None where it is not known.
+        repeat: the group of recordings of the same setting that this one is of.
+        held_out: never fitted, only predicted and scored.
+        sha256: of the file's bytes.
+    """
+
+    name: str
+    label: str
+    file: Path
+    t: np.ndarray
+    phi1: np.ndarray
+    phi2: np.ndarray | None
+    drive: np.ndarray | None
+    forced: bool
+    omega: float | None
+    span: tuple[float, float] | None
+    start: float | None
+    repeat: str | None
+    held_out: bool
+    sha256: str
+
+    def __post_init__(self) -> None:
+        for name in ("t", "phi1", "phi2", "drive"):
+            array = getattr(self, name)
+            if array is not None:
+                array = np.asarray(array, dtype=float).view()  # the caller's own stays writable
+                array.setflags(write=False)
+                object.__setattr__(self, name, array)
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return self.t.size
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample [s]."""
+        return float(self.t[-1] - self.t[0])
+
+    @property
+    def measured_drive(self) -> bool:
+        """Whether the drive was measured rather than commanded."""
+        return self.drive is not None
+
+    @property
+    def channels(self) -> dict[str, np.ndarray]:
+        """The measured angles, name -> (n,) values [rad]."""
+        both = {"phi1": self.phi1, "phi2": self.phi2}
+        return {name: values for name, values in both.items() if values is not None}
+
+    @property
+    def clock(self) -> np.ndarray | None:
+        """(n,) times on the campaign's clock [s]; None where `start` is not known."""
+        return None if self.start is None else self.start + self.t
+
+    def cut(self, t0: float, t1: float) -> "Recording":
+        """The samples with t0 <= t <= t1 as a recording of their own.
+
+        Raises:
+            ValueError: no sample lies in there.
+        """
+        part = slice(*within(self.t, t0, t1))
+        if part.start >= part.stop:
+            raise ValueError(
+                f"Recording {self.label} has no sample in [{t0:g}, {t1:g}] s, but lasts from "
+                f"{self.t[0]:g} to {self.t[-1]:g} s."
+            )
+        span = (float(t0), float(t1))
+        return replace(
+            self,
+            label=spanned(self.name, span),
+            t=self.t[part],
+            phi1=self.phi1[part],
+            phi2=None if self.phi2 is None else self.phi2[part],
+            drive=None if self.drive is None else self.drive[part],
+            span=span,
+        )
+
+
+def within(t: np.ndarray, t0: float, t1: float) -> tuple[int, int]:
+    """Indices from which and up to which (not included) the rising times t lie in [t0, t1]."""
+    return int(np.searchsorted(t, t0, "left")), int(np.searchsorted(t, t1, "right"))
+
+
+def spanned(name: str, span: tuple[float, float]) -> str:
+    """Label of a span of a file, "Cassy.txt[200,661]"."""
+    return f"{name}[{span[0]:g},{span[1]:g}]"

@@ -1,0 +1,83 @@
+"""Angles, velocities and accelerations from noisy samples: local polynomials."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+
+class Smoothed(NamedTuple):
+    """A smoothed channel and its derivatives, each (n,), with standard errors of the noise.
+
+    The errors do not count what the polynomial cannot follow: they are too small for a window
+    that is long against the motion.
+    """
+
+    value: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    value_error: np.ndarray
+    first_error: np.ndarray
+    second_error: np.ndarray
+
+
+def local_polynomial(
+    t: np.ndarray, y: np.ndarray, sigma: float, window: int, order: int = 3
+) -> Smoothed:
+    """Fits a polynomial to the `window` samples around each sample.
+
+    At the ends the window stays full and the sample lies at its side: the errors grow there.
+
+    Args:
+        t: (n,) rising times [s]; they need not be uniform.
+        y: (n,) values.
+        sigma: standard deviation of y's noise, in y's unit.
+        window: number of samples in a window; cut to n where it is larger.
+        order: of the polynomial, 2 or more.
+
+    Returns:
+        Value, first and second derivative at each sample [unit, unit/s, unit/s^2] and the
+        standard error of each.
+
+    Raises:
+        ValueError: the window holds too few samples for the order.
+    """
+    t, y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
+    n = t.size
+    window = min(window, n)
+    if order < 2 or window <= order:
+        raise ValueError(
+            f"A local polynomial needs an order of 2 or more and more samples than its order, "
+            f"but the order is {order} and the window has {window} samples."
+        )
+    tw = sliding_window_view(t, window)
+    yw = sliding_window_view(y, window)
+    middle = 0.5 * (tw[:, :1] + tw[:, -1:])
+    half = 0.5 * (tw[:, -1:] - tw[:, :1])
+    # Times from -1 to 1: the normal equations of a low order are then well conditioned.
+    powers = np.arange(order + 1)
+    design = ((tw - middle) / half)[:, :, None] ** powers
+    transposed = design.transpose(0, 2, 1)
+    inverse = np.linalg.inv(transposed @ design)
+    offset = yw.mean(axis=1, keepdims=True)
+    # For the windows' sake each sample far from zero (a ring that winds) is taken less its mean.
+    coefficients = inverse @ (transposed @ (yw - offset)[:, :, None])
+
+    which = np.clip(np.arange(n) - window // 2, 0, n - window)
+    u = ((t - middle[which, 0]) / half[which, 0])[:, None]
+    coefficients, inverse, h = coefficients[which, :, 0], inverse[which], half[which, 0]
+    results, errors = [], []
+    for derivative in range(3):
+        row = _monomials(u, powers, derivative) / (h**derivative)[:, None]
+        results.append(np.einsum("np,np->n", row, coefficients))
+        variance = np.einsum("np,npq,nq->n", row, inverse, row)
+        errors.append(sigma * np.sqrt(np.maximum(variance, 0.0)))
+    return Smoothed(results[0] + offset[which, 0], results[1], results[2], *errors)
+
+
+def _monomials(u: np.ndarray, powers: np.ndarray, derivative: int) -> np.ndarray:
+    """(n, p) derivatives of u^0 .. u^(p-1)."""
+    factor = np.ones(powers.size)
+    for i in range(derivative):
+        factor = factor * (powers - i)
+    return factor * u ** np.maximum(powers - derivative, 0)

@@ -1,0 +1,44 @@
+"""Writing recordings as CSV."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def write_csv(
+    path: str | os.PathLike[str], t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None
+) -> None:
+    """Writes a recording: header `t,phi1,phi2` (without phi2: `t,phi1`), 17 significant digits.
+
+    What is read back is bit for bit what was written. A file that is there is replaced at once
+    and whole: a reader sees the old or the new one, and a failed write leaves the old.
+
+    Args:
+        path: the file; its folder must exist.
+        t: (n,) times [s].
+        phi1: (n,) angle of the column [rad].
+        phi2: (n,) angle of the ring [rad], or None.
+
+    Raises:
+        ValueError: the columns differ in length or are not one-dimensional.
+        OSError: the file cannot be written.
+    """
+    columns = {"t": t, "phi1": phi1} if phi2 is None else {"t": t, "phi1": phi1, "phi2": phi2}
+    arrays = [np.asarray(column, dtype=float) for column in columns.values()]
+    if arrays[0].ndim != 1 or any(array.shape != arrays[0].shape for array in arrays):
+        shapes = ", ".join(
+            f"{name} {array.shape}" for name, array in zip(columns, arrays, strict=True)
+        )
+        raise ValueError(f"The columns must be one-dimensional and of one length, but are {shapes}")
+    target = Path(path)
+    # In the same folder, since a file can be renamed at once only within one file system.
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="\n") as stream:
+            stream.write(",".join(columns) + "\n")
+            np.savetxt(stream, np.column_stack(arrays), fmt="%.17g", delimiter=",")
+        os.replace(part, target)
+    finally:
+        part.unlink(missing_ok=True)  # gone already where all went well
