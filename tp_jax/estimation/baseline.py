@@ -247,6 +247,7 @@ def grow(
             problem, values, unknowns, states, bounds=setting.bounds,
             anchors=[a for a in setting.anchors() if a.unknown in unknowns],
             max_iterations=max_iterations,
+            relative=1e-3 if i + 1 < len(horizons) else 1e-7,
         )  # fmt: skip
         values = result.values
         log.info("windows of %.3g s: chi2/dof %.4g, %s", horizon, result.chi2_dof, result.message)

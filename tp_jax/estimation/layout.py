@@ -69,6 +69,17 @@ class Layout:
         """Name to slot."""
         return {p.name: i for i, p in enumerate(self.parameters)}
 
+    @functools.cached_property
+    def amplitudes(self) -> tuple[int, ...]:
+        """Slots of the effects' amplitudes."""
+        names = [e.qualified(a.name) for e in self.effects for a in e.amplitudes]
+        return tuple(self.index[n] for n in names)
+
+    @functools.cached_property
+    def bare(self) -> "Layout":
+        """The layout without effects; its slots come first in this one's."""
+        return Layout(self.kind, ())
+
     @property
     def n_states(self) -> int:
         """Number of states."""

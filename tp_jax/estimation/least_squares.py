@@ -83,6 +83,7 @@ def fit(
     anchors: Sequence[Anchor] = (),
     max_iterations: int = 30,
     tolerance: float = 0.02,
+    relative: float = 1e-7,
 ) -> Fit:
     """Fits unknowns and window states to all windows of a problem.
 
@@ -94,7 +95,8 @@ def fit(
         bounds: by name, instead of the parameters' own.
         anchors: priors on unknowns.
         max_iterations: linearisations at most.
-        tolerance: ends when a step promises a smaller drop of the sum of squares than this.
+        tolerance: ends when a step promises a smaller drop of the sum of squares than this,
+        relative: or than this part of it.
     """
     unknowns = tuple(unknowns)
     specs = [parameter(problem, u) for u in unknowns]
@@ -115,7 +117,8 @@ def fit(
         if not np.isfinite(cost):
             break
         step = _step(lin, unknowns, specs, x, limits, anchors, values, damping)
-        if step.promise < tolerance:
+        enough = max(tolerance, relative * cost)
+        if step.promise < enough:
             converged, message = True, "The next step would gain nothing."
             break
         new_x, new_states = step.x, states + step.states
@@ -127,7 +130,7 @@ def fit(
                   tried, cost, new_cost, gain, damping)  # fmt: skip
         if new_cost < cost:
             x, states, values, lin = new_x, new_states, new_values, new_lin
-            small = cost - new_cost < tolerance and damping < 1.0
+            small = cost - new_cost < enough and damping < 1.0
             cost = new_cost
             damping = max(damping * (0.1 if gain > 0.7 else 0.5 if gain > 0.3 else 3.0), 1e-9)
             if small:

@@ -12,7 +12,7 @@ from tp_jax.estimation.program import Block, linearise
 from tp_jax.estimation.windows import Prepared, Windows
 from tp_jax.simulation.lanes import Tolerances
 
-LANES = 64  # windows in a block
+LANES = 32  # lanes in a block; a lane holds several windows one after the other
 DIRECTIONS = 16  # directions in a call
 _SIZES = (32, 64, 128, 256, 512, 1024, 2048, 4096)
 
@@ -97,39 +97,53 @@ class Problem:
         """Windows (bool) of some recordings."""
         return np.isin(self.windows.recording, list(recordings))
 
-    def _blocks(self):
-        order = np.arange(self.windows.n)
-        return [order[i : i + LANES] for i in range(0, order.size, LANES)]
+    def _places(self) -> np.ndarray:
+        """Block, lane and first sample within the lane of every window (w, 3)."""
+        places, lane, used = [], 0, 0
+        w = self.windows
+        for i, count in enumerate(w.count):
+            # A lane has one set of numbers: windows of one recording only.
+            changed = i > 0 and w.recording[i] != w.recording[i - 1]
+            if used + count > self.capacity or changed:
+                lane, used = lane + 1, 0
+            places.append((lane // LANES, lane % LANES, used))
+            used += count
+        return np.array(places)
 
-    def _block(self, which: np.ndarray) -> Block:
+    def _block(self, which: np.ndarray, places: np.ndarray) -> Block:
         n, w = self.capacity, self.windows
         ts = np.zeros((n, LANES))
         data = np.zeros((n, 2, LANES))
         weight = np.zeros((n, 2, LANES))
-        prior = np.zeros((4, LANES))
-        prior_weight = np.ones((4, LANES))
+        start = np.zeros((n, LANES), dtype=bool)
+        prior = np.zeros((n, 4, LANES))
+        prior_weight = np.zeros((n, 4, LANES))
         pieces = np.zeros((n - 1, 4, LANES)) if self.measured else None
         count = np.ones(LANES, dtype=int)
-        for lane, i in enumerate(which):
+        for i, (_, lane, at) in zip(which, places, strict=True):
             p, f, c = self.prepared[w.recording[i]], w.first[i], w.count[i]
-            ts[:c, lane] = p.t[f : f + c]
-            ts[c:, lane] = p.t[f + c - 1]
-            data[:c, :, lane] = p.y[f : f + c]
-            weight[:c, :, lane] = np.where(p.channels, 1.0 / self.sigma, 0.0)
-            prior[:, lane], prior_weight[:, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
+            span = slice(at, at + c)
+            ts[span, lane] = p.t[f : f + c]
+            ts[at + c :, lane] = p.t[f + c - 1]
+            data[span, :, lane] = p.y[f : f + c]
+            weight[span, :, lane] = np.where(p.channels, 1.0 / self.sigma, 0.0)
+            start[at, lane] = True
+            prior[at, :, lane], prior_weight[at, :, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
             if pieces is not None and p.pieces is not None:
-                pieces[: c - 1, :, lane] = p.pieces[f : f + c - 1]
-            count[lane] = c
-        if which.size < LANES:  # idle lanes: one sample, nothing to integrate
-            ts[:, which.size :] = ts[:1, :1]
-        arrays = (ts, count, data, weight, prior, prior_weight, pieces)
+                pieces[at : at + c - 1, :, lane] = p.pieces[f : f + c - 1]
+            count[lane] = at + c
+        arrays = (ts, count, start, data, weight, prior, prior_weight, pieces)
         return Block(*(None if a is None else jnp.asarray(a) for a in arrays))
 
-    def blocks(self) -> list[tuple[np.ndarray, Block]]:
-        """Indices and data of all blocks; made once."""
+    def blocks(self) -> list[tuple[np.ndarray, np.ndarray, Block]]:
+        """Windows, their places (w, 3) and the data of all blocks; made once."""
         cached = self.__dict__.get("_cached_blocks")
         if cached is None:
-            cached = [(which, self._block(which)) for which in self._blocks()]
+            places = self._places()
+            cached = []
+            for b in range(int(places[:, 0].max()) + 1):
+                which = np.flatnonzero(places[:, 0] == b)
+                cached.append((which, places[which], self._block(which, places[which])))
             object.__setattr__(self, "_cached_blocks", cached)
         return cached
 
@@ -147,16 +161,16 @@ class Problem:
         portions = [index[i : i + DIRECTIONS] for i in range(0, len(index), DIRECTIONS)] or [[]]
         spare = self.layout.index["reaction"]
         portions = [p + [spare] * (DIRECTIONS - len(p)) for p in portions]
-        jobs = [(b, d) for b in range(len(self.blocks())) for d in range(len(portions))]
+        jobs = [(b, d) for d in range(len(portions)) for b in range(len(self.blocks()))]
 
         def run(job):
             b, d = job
-            which, block = self.blocks()[b]
-            p = np.zeros((len(self.layout.parameters), LANES))
-            p[:] = values.table[:, :1]
-            p[:, : which.size] = values.table[:, self.windows.recording[which]]
-            x0 = np.zeros((self.layout.n_states, LANES))
-            x0[: states.shape[1], : which.size] = states[which].T
+            which, places, block = self.blocks()[b]
+            _, lane, at = places.T
+            p = np.repeat(values.table[:, :1], LANES, axis=1)
+            p[:, lane] = values.table[:, self.windows.recording[which]]
+            x0 = np.zeros((self.capacity, self.layout.n_states, LANES))
+            x0[at, : states.shape[1], lane] = states[which]
             out = linearise(
                 self.layout, self.tolerances, jnp.asarray(p), jnp.asarray(x0), block,
                 jnp.asarray(portions[d]),
@@ -169,7 +183,7 @@ class Problem:
         return self._assemble(results, tuple(slots))
 
     def _assemble(self, results: dict, slots: tuple[str, ...]) -> Linearisation:
-        nw, n, nc = self.windows.n, self.capacity, self.layout.n_states
+        nw, n, nc = self.windows.n, int(self.windows.count.max()), self.layout.n_states
         m = 2 * n + 4
         r = np.zeros((nw, m))
         states_jac = np.zeros((nw, m, 4))
@@ -179,20 +193,23 @@ class Problem:
         valid = np.zeros((nw, m), dtype=bool)
         for (b, d), out in results.items():
             res, jac, prior_r, prior_jac, y, done, _ = out
-            which, block = self.blocks()[b]
-            k = which.size
+            which, places, block = self.blocks()[b]
             lo, hi = d * DIRECTIONS, min((d + 1) * DIRECTIONS, len(slots))
-            if hi > lo:
-                slots_jac[which, :-4, lo:hi] = jac[:k, ..., nc : nc + hi - lo].reshape(k, -1, hi - lo)
-                slots_jac[which, -4:, lo:hi] = prior_jac[:k, :, nc : nc + hi - lo]
-            if d:
-                continue
-            r[which] = np.concatenate([res[:k].reshape(k, -1), prior_r[:k]], axis=1)
-            states_jac[which, :-4] = jac[:k, ..., :4].reshape(k, -1, 4)
-            states_jac[which, -4:] = prior_jac[:k, :, :4]
-            states[which], complete[which] = y[:k], done[:k]
-            weight = np.asarray(block.weight)[..., :k].transpose(2, 0, 1).reshape(k, -1)
-            valid[which, :-4] = weight > 0
+            weight = np.asarray(block.weight)
+            for i, (_, lane, at) in zip(which, places, strict=True):
+                c = self.windows.count[i]
+                span = slice(at, at + c)
+                part = jac[lane, span].reshape(2 * c, -1)
+                slots_jac[i, : 2 * c, lo:hi] = part[:, nc : nc + hi - lo]
+                slots_jac[i, -4:, lo:hi] = prior_jac[lane, at, :, nc : nc + hi - lo]
+                if d:
+                    continue
+                r[i, : 2 * c] = res[lane, span].reshape(-1)
+                r[i, -4:] = prior_r[lane, at]
+                states_jac[i, : 2 * c] = part[:, :4]
+                states_jac[i, -4:] = prior_jac[lane, at, :, :4]
+                states[i, :c], complete[i] = y[lane, span], done[lane]
+                valid[i, : 2 * c] = weight[span, :, lane].reshape(-1) > 0
         return Linearisation(
             r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording
         )

@@ -14,33 +14,34 @@ TRACES: list[tuple] = []  # one entry per trace; tests count them
 
 
 class Block(NamedTuple):
-    """Data of a block of windows (lanes last).
+    """Data of a block of windows (lanes last; a lane holds several windows, see `Lanes`).
 
-    ts: (n, L) s; count: (L,); data: (n, 2, L) rad; weight: (n, 2, L), 1/sigma, 0 where there is
-    no sample; prior: (4, L) smoothed readings and their rates; prior_weight: (4, L);
-    pieces: (n - 1, 4, L) or None.
+    ts: (n, L) s; count: (L,); start: (n, L); data: (n, 2, L) rad; weight: (n, 2, L), 1/sigma, 0 where there is
+    no sample; prior: (n, 4, L) smoothed readings and their rates; prior_weight: (n, 4, L), 0 but at
+    starts; pieces: (n - 1, 4, L) or None.
     """
 
     ts: Float[Array, "n L"]
     count: Int[Array, " L"]
+    start: Bool[Array, "n L"]
     data: Float[Array, "n 2 L"]
     weight: Float[Array, "n 2 L"]
-    prior: Float[Array, "4 L"]
-    prior_weight: Float[Array, "4 L"]
+    prior: Float[Array, "n 4 L"]
+    prior_weight: Float[Array, "n 4 L"]
     pieces: Float[Array, "n-1 4 L"] | None
 
 
 class Linearised(NamedTuple):
     """Weighted residuals (model - data) of a block and their Jacobian.
 
-    r: (L, n, 2); jac: (L, n, 2, c + d); prior_r: (L, 4); prior_jac: (L, 4, c + d);
+    r: (L, n, 2); jac: (L, n, 2, c + d); prior_r: (L, n, 4); prior_jac: (L, n, 4, c + d);
     states: (L, n, c); complete: (L,); steps: (L,).
     """
 
     r: Float[Array, "L n 2"]
     jac: Float[Array, "L n 2 m"]
-    prior_r: Float[Array, "L 4"]
-    prior_jac: Float[Array, "L 4 m"]
+    prior_r: Float[Array, "L n 4"]
+    prior_jac: Float[Array, "L n 4 m"]
     states: Float[Array, "L n c"]
     complete: Bool[Array, " L"]
     steps: Int[Array, " L"]
@@ -51,7 +52,7 @@ def linearise(
     layout: Layout,
     tolerances: Tolerances,
     p: Float[Array, "P L"],
-    x0: Float[Array, "c L"],
+    x0: Float[Array, "n c L"],
     block: Block,
     directions: Int[Array, " d"],
 ) -> Linearised:
@@ -61,7 +62,7 @@ def linearise(
         layout: structure of the model; static.
         tolerances: of the integration; static.
         p: all slots for every lane.
-        x0: initial states.
+        x0: states at the windows' starts.
         block: the data.
         directions: slots to differentiate by.
     """
@@ -71,10 +72,14 @@ def linearise(
     def field(t, y, q, piece, left):
         return layout.model(q, piece, left).derivative(t, y)
 
+    def plain(t, y, q, piece, left):
+        return layout.bare.model(q[: len(layout.bare.parameters)], piece, left).derivative(t, y)
+
+    amplitudes = jnp.asarray(layout.amplitudes, int)
+    bare = ~jnp.any(p[amplitudes] != 0.0) & ~jnp.any(jnp.isin(directions, amplitudes))
     eps = (layout.index["eps1"], layout.index["eps2"])
-    run = integrate(
-        field, slots, x0, Lanes(block.ts, block.count, block.pieces), eps, directions, tolerances
-    )
+    lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
+    run = integrate(field, plain, slots, lanes, eps, bare, directions, tolerances)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))  # components (n, L)
     if block.pieces is None:
         piece, left = None, None
@@ -84,25 +89,27 @@ def linearise(
         left = jnp.concatenate([block.ts[:-1], block.ts[-2:-1]])
     wide = tuple(jnp.broadcast_to(q, block.ts.shape) for q in slots)
 
+    # Readings and their rates in one go: the samples need the first two, the prior all four.
     def readings(t, y, q):
-        return jnp.stack(layout.model(q, piece, left).readings(t, y))
+        f = lambda t, y: jnp.stack(layout.model(q, piece, left).readings(t, y))  # noqa: E731
+        rates = (y[2], y[3], *([jnp.zeros_like(t)] * (len(y) - 2)))
+        h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
+        return jnp.concatenate([h, dh])
 
     value, by_state, by_slot = _derivatives(readings, block.ts, y, wide)
     s = run.s.transpose(2, 3, 1, 0)  # (c, m, n, L)
-    jac = sum(by_state[k][:, None] * s[k][None] for k in range(len(y)))  # (2, m, n, L)
+    jac = sum(by_state[k][:, None] * s[k][None] for k in range(len(y)))  # (4, m, n, L)
     nc = len(y)
     jac = jac.at[:, nc:].add(jnp.take(by_slot, directions, axis=1))
     weight = block.weight.transpose(1, 0, 2)
-    r = (value - block.data.transpose(1, 0, 2)) * weight
-    jac = jac * weight[:, None]
-
-    start = jnp.eye(nc)
-    prior_r, prior_jac = _prior(layout, slots, tuple(x0), block, piece, left, directions, start)
+    prior_weight = block.prior_weight.transpose(1, 0, 2)
+    r = (value[:2] - block.data.transpose(1, 0, 2)) * weight
+    prior_r = (value - block.prior.transpose(1, 0, 2)) * prior_weight
     return Linearised(
         r=r.transpose(2, 1, 0),
-        jac=jac.transpose(3, 2, 0, 1),
-        prior_r=prior_r,
-        prior_jac=prior_jac,
+        jac=(jac[:2] * weight[:, None]).transpose(3, 2, 0, 1),
+        prior_r=prior_r.transpose(2, 1, 0),
+        prior_jac=(jac * prior_weight[:, None]).transpose(3, 2, 0, 1),
         states=run.y,
         complete=run.complete & jnp.all(jnp.isfinite(r), axis=(0, 1)),
         steps=run.steps,
@@ -121,25 +128,3 @@ def _derivatives(f, t, y, q):
         for k in range(len(q))
     ]
     return f(t, y, q), by_state, jnp.stack(by_slot, axis=1)
-
-
-def _prior(layout, slots, x0, block, piece, left, directions, start):
-    """Prior on a window's state, acting on readings: (h(x0, e), dh/dt) - smoothed readings."""
-    first = None if piece is None else tuple(c[0] for c in piece)
-    edge = None if left is None else left[0]
-
-    def prior(t, y, q):
-        def readings(t, y):
-            return jnp.stack(layout.model(q, first, edge).readings(t, y))
-
-        zero = jnp.zeros_like(t)
-        rates = (y[2], y[3], *([zero] * (len(y) - 2)))
-        h, dh = jax.jvp(readings, (t, y), (jnp.ones_like(t), rates))
-        return jnp.concatenate([h, dh])  # (4, L)
-
-    value, by_state, by_slot = _derivatives(prior, block.ts[0], x0, slots)
-    chosen = jnp.take(by_slot, directions, axis=1)
-    states = sum(by_state[k][:, None] * start[k][None, :, None] for k in range(len(x0)))
-    jac = jnp.concatenate([states, chosen], axis=1)  # (4, c + d, L)
-    r = (value - block.prior) * block.prior_weight
-    return r.T, (jac * block.prior_weight[:, None]).transpose(2, 0, 1)

@@ -32,8 +32,8 @@ Field = Callable[..., tuple]
 class Tolerances(NamedTuple):
     """Tolerances of a step: angles [rad], velocities [rad/s], tangents (relative), friction."""
 
-    angle: float = 2e-6
-    velocity: float = 2e-4
+    angle: float = 1e-5
+    velocity: float = 1e-3
     tangent: float = 1e-2
     friction: float = 0.15
 
@@ -41,21 +41,27 @@ class Tolerances(NamedTuple):
 class Lanes(NamedTuple):
     """What the engine integrates.
 
+    A lane takes several windows one after the other, so that all lanes are busy whatever the
+    windows' length: at a sample marked as a start the state is set anew, not integrated.
+
     ts: (n, L) sample times [s], the last repeated where a lane has fewer; count: (L,) number of
-    samples; pieces: (n - 1, 4, L) cubic coefficients of a measured drive, or None.
+    samples; start: (n, L) whether a window starts there; states: (n, c, L) state at each start;
+    pieces: (n - 1, 4, L) cubic coefficients of a measured drive, or None.
     """
 
     ts: Float[Array, "n L"]
     count: Int[Array, " L"]
+    start: Bool[Array, "n L"]
+    states: Float[Array, "n c L"]
     pieces: Float[Array, "n-1 4 L"] | None
 
 
 class Integrated(NamedTuple):
     """States and tangents at the samples, lanes first.
 
-    y: (L, n, c) components; s: (L, n, c, c + d) their derivatives with respect to the initial
-    components and the chosen directions; steps: (L,); complete: (L,) False where the lane ran
-    out of steps.
+    y: (L, n, c) components; s: (L, n, c, c + d) their derivatives with respect to the components
+    at the window's start and the chosen directions; steps: (L,); complete: (L,) False where the
+    lane ran out of steps.
     """
 
     y: Float[Array, "L n c"]
@@ -66,10 +72,11 @@ class Integrated(NamedTuple):
 
 def integrate(
     field: Field,
+    plain: Field,
     p: tuple[Float[Array, " L"], ...],
-    y0: Float[Array, "c L"],
     lanes: Lanes,
     eps: tuple[int, int],
+    bare: Bool[Array, ""],
     directions: Int[Array, " d"],
     tolerances: Tolerances = Tolerances(),  # noqa: B008
     max_steps: int = 20_000,
@@ -78,14 +85,16 @@ def integrate(
 
     Args:
         field: derivative of the state's components, elementwise over lanes.
+        plain: the same without effects; used where no effect has an amplitude or a direction.
         p: every parameter of the model, one value per lane.
-        y0: initial components.
-        lanes: sample times.
+        lanes: sample times and window starts.
         eps: places in `p` of the two smoothing slopes.
+        bare: whether `plain` is enough; data, so that one program serves both.
         directions: places in `p` of the parameters to differentiate by; data, not structure.
         tolerances: see `Tolerances`.
         max_steps: limit of loop passes; what is unfinished then is marked.
     """
+    y0 = lanes.states[0]
     nc, n_lanes = y0.shape
     nd = directions.size
     nt = nc + nd
@@ -96,20 +105,24 @@ def integrate(
     weights = jnp.array([tolerances.angle] * 2 + [tolerances.velocity] * 2)
     weights = jnp.concatenate([weights, jnp.full(nc - 4, tolerances.angle)])[:, None]
     partials = jax.jit(_partials, static_argnums=0)
-    step = _make_step(field, partials, directions)
+    step = _make_step(_switched(field, plain, partials, bare), directions)
+
+    first = 0.1 * (lanes.ts[1] - lanes.ts[0])
 
     def sample_time(i):
         return jnp.take_along_axis(lanes.ts, i[None], axis=0)[0]
 
     def body(carry):
-        count, t, i, h, y, s, first, out_y, out_s, steps = carry
+        count, t, i, h, y, s, out_y, out_s, steps = carry
         active = i < lanes.count - 1
-        end = sample_time(jnp.minimum(i + 1, n - 1))
-        rest = end - t
+        target = jnp.minimum(i + 1, n - 1)
+        end = sample_time(target)
+        fresh = active & lanes.start[target, lane]
+        rest = jnp.where(fresh, 0.0, end - t)
         land = h >= rest * (1.0 - 1e-9)
         # Two halves rather than a full step and a sliver.
         used = jnp.where(land, rest, jnp.where(2.0 * h > rest, 0.5 * rest, h))
-        used = jnp.where(active, used, 0.0)
+        used = jnp.where(active & ~fresh, used, 0.0)
         if lanes.pieces is None:
             piece, left = None, None
         else:
@@ -132,32 +145,31 @@ def integrate(
         factor = jnp.where(good, jnp.clip(factor, 0.1, 6.0), 0.1)
         # Below a picosecond only rounding is left: go on rather than stand still.
         accept = active & ((ratio <= 1.0) | (used < 1e-12))
+        land = land | fresh
         grown = jnp.where(land | (used < h), jnp.maximum(h, used * factor), used * factor)
         h = jnp.where(accept, grown, used * jnp.minimum(factor, 0.7))
-        h = jnp.where(active, h, 1.0)
-        y = jnp.where(accept, y_new, y)
-        s = jnp.where(accept, s_new, s)
+        h = jnp.where(fresh, first, jnp.where(active, h, 1.0))
+        y = jnp.where(fresh, lanes.states[target, :, lane].T, jnp.where(accept, y_new, y))
+        s = jnp.where(fresh, s0, jnp.where(accept, s_new, s))
         landed = accept & land
         t = jnp.where(landed, end, jnp.where(accept, t + used, t))
         # Written every pass; the last write before moving on is the one on the sample.
-        target = jnp.minimum(i + 1, n - 1)
         out_y = out_y.at[lane, target].set(y.T)
         out_s = out_s.at[lane, target].set(s.transpose(2, 0, 1))
         i = i + landed
-        return count + 1, t, i, h, y, s, first, out_y, out_s, steps + active
+        return count + 1, t, i, h, y, s, out_y, out_s, steps + active
 
     def go_on(carry):
         return jnp.any(carry[2] < lanes.count - 1) & (carry[0] < max_steps)
 
     out_y = jnp.zeros((n_lanes, n, nc)).at[:, 0].set(y0.T)
     out_s = jnp.zeros((n_lanes, n, nc, nt)).at[:, 0].set(s0.transpose(2, 0, 1))
-    span = lanes.ts[1] - lanes.ts[0]
-    start = (
-        0, lanes.ts[0], jnp.zeros(n_lanes, int), 0.1 * span, y0, s0, 0.0, out_y, out_s,
+    begin = (
+        0, lanes.ts[0], jnp.zeros(n_lanes, int), first, y0, s0, out_y, out_s,
         jnp.zeros(n_lanes, int),
     )  # fmt: skip
-    end = jax.lax.while_loop(go_on, body, start)
-    return Integrated(end[7], end[8], end[9], end[2] >= lanes.count - 1)
+    end = jax.lax.while_loop(go_on, body, begin)
+    return Integrated(end[6], end[7], end[8], end[2] >= lanes.count - 1)
 
 
 def _partials(field: Field, t, y, p, piece, left):
@@ -184,14 +196,25 @@ def _partials(field: Field, t, y, p, piece, left):
     return value, states, parameters
 
 
-def _make_step(field: Field, partials: Callable, directions: Array) -> Callable:
+def _switched(field: Field, plain: Field, partials: Callable, bare: Array) -> Callable:
+    """Partials of the plain field where that is enough: most of a step's cost is effects."""
+
+    def either(*args):
+        return jax.lax.cond(
+            bare, lambda *a: partials(plain, *a), lambda *a: partials(field, *a), *args
+        )
+
+    return either
+
+
+def _make_step(partials: Callable, directions: Array) -> Callable:
     """The step function: state, tangents and their embedded errors."""
     tab = ROS34PW2
 
     def step(t, y, s, h, p, piece, left):
-        nc, nt = s.shape[:2]
+        nc = s.shape[0]
         gh = tab.gamma * h
-        value, jac, par = partials(field, t, tuple(y), p, piece, left)
+        value, jac, par = partials(t, tuple(y), p, piece, left)
         solve = _closed_form(jac, gh)
         ky: list[Array] = []
         ks: list[Array] = []
@@ -200,7 +223,7 @@ def _make_step(field: Field, partials: Callable, directions: Array) -> Callable:
                 yi = y + h * _combine(tab.a[i], ky)
                 si = s + h * _combine(tab.a[i], ks)
                 ti = t + tab.c[i] * h
-                value, jac_i, par = partials(field, ti, tuple(yi), p, piece, left)
+                value, jac_i, par = partials(ti, tuple(yi), p, piece, left)
             else:
                 si, jac_i = s, jac
             rhs = value
