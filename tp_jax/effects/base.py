@@ -65,11 +65,15 @@ class Amplitude:
 
 @dataclasses.dataclass(frozen=True)
 class Shape:
-    """A shape constant: profiled on a grid, since the null does not depend on it."""
+    """A shape constant: profiled on a grid, since the null does not depend on it.
+
+    A continuous one is refined from the best grid point once its effect has an amplitude.
+    """
 
     name: str
     unit: str
     grid: tuple[float, ...]
+    continuous: bool = False
 
 
 class Effect:

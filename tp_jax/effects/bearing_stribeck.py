@@ -12,7 +12,7 @@ class BearingStribeck(Effect):
     location = "bearing"
     hook = "bearing"
     amplitudes = (Amplitude("a", "1", typical=0.3, lower=-1.0),)
-    shapes = (Shape("vs", "rad/s", (0.1, 0.3, 1.0, 3.0)),)
+    shapes = (Shape("vs", "rad/s", (0.1, 0.3, 1.0, 3.0), continuous=True),)
     formula = "M1 S (1 + a exp(-(v1 / vs)^2))"
     source = "Stribeck (1902); Armstrong-Helouvry (1991)"
     looks_like = "an error around each reversal of the column"

@@ -12,7 +12,7 @@ class ContactStribeck(Effect):
     location = "contact"
     hook = "contact"
     amplitudes = (Amplitude("a", "1", typical=0.3, lower=-1.0),)
-    shapes = (Shape("vs", "rad/s", (0.1, 0.3, 1.0, 3.0)),)
+    shapes = (Shape("vs", "rad/s", (0.1, 0.3, 1.0, 3.0), continuous=True),)
     needs = frozenset({"rider"})
     formula = "(Ts1 S + Tst term)(1 + a exp(-(v2 / vs)^2))"
     source = "Stribeck (1902); Armstrong-Helouvry (1991)"

@@ -60,7 +60,7 @@ class Layout:
                 )  # fmt: skip
             for s in effect.shapes:
                 slots.append(
-                    Parameter(effect.qualified(s.name), s.unit, min(s.grid), max(s.grid))
+                    Parameter(effect.qualified(s.name), s.unit, min(s.grid), max(s.grid), "log")
                 )
         return tuple(slots)
 

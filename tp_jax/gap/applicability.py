@@ -1,0 +1,35 @@
+"""Which effects a campaign could show at all."""
+
+from tp_jax.effects import Effect
+from tp_jax.estimation.baseline import Setting
+
+
+def conditions(setting: Setting) -> frozenset[str]:
+    """What the campaign offers, in the words of `Effect.needs`."""
+    met = set()
+    if setting.rider:
+        met.add("rider")
+    if setting.sine:
+        met.add("sine")
+    if len(setting.fitted) > 1:
+        met.add("several")
+    known = {"B2", "k"} & set(setting.fixed)
+    if setting.campaign.B1 is not None and known:
+        met.add("inertias")
+    return frozenset(met)
+
+
+def why_not(effect: Effect, setting: Setting) -> str | None:
+    """None if the effect applies, else one sentence that says what is missing."""
+    missing = effect.needs - conditions(setting)
+    if effect.hook == "contact" and not setting.rider:
+        missing = missing | {"rider"}
+    words = {
+        "rider": "it needs the angle of a rider",
+        "sine": "it needs a commanded sine drive",
+        "several": "it needs more than one recording",
+        "inertias": "it needs B1 and one of B2 and k from elsewhere",
+    }
+    if not missing:
+        return None
+    return "Does not apply: " + " and ".join(words.get(m, m) for m in sorted(missing)) + "."

@@ -1,0 +1,160 @@
+"""Choosing the causes: screen, refit of the best, cross-validation, until no structure is left."""
+
+import dataclasses
+import logging
+from collections.abc import Callable
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.gap.crossvalidation import gain, left_out_cost
+from tp_jax.gap.refit import Refit, polish_shapes, refit, removable
+from tp_jax.gap.screen import Screen, blocks_of, screen
+from tp_jax.gap.structure import Structure, structure_test
+
+log = logging.getLogger(__name__)
+
+LEVEL = 0.05  # family-wise level of the test of structure
+REFITTED = (6, 4, 4)  # candidates refitted in each round
+EARNS = 2.5  # standard errors by which a cause must lower the left-out cost
+LEAST_PART = 0.01  # of the removable gap that a cause must take with it
+
+
+@dataclasses.dataclass(frozen=True)
+class Round:
+    """One round of the choice: what was seen from `before`, what was refitted, what was taken.
+
+    gains: id to (drop of the left-out sum of squares, its standard error).
+    """
+
+    before: Fit
+    screen: Screen
+    structure: Structure
+    refits: dict[str, Refit]
+    gains: dict[str, tuple[float, float]]
+    taken: str | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Choice:
+    """The baseline, the rounds, and where they ended."""
+
+    baseline: Fit
+    rounds: tuple[Round, ...]
+    final: Refit
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """Ids of the accepted causes, in order."""
+        return self.final.ids
+
+    @property
+    def structure(self) -> Structure:
+        """Of the last fit: what is left unexplained."""
+        return self.rounds[-1].structure
+
+
+def choose(
+    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None]
+) -> Choice:
+    """Adds causes one by one while the data inside the fit support them.
+
+    Held-out data are not touched here.
+    """
+    current = Refit(baseline, ())
+    rounds: list[Round] = []
+    noise_only = max(removable(baseline), 0.0)
+    for n in range(len(REFITTED) + 1):
+        progress("screening the catalogue", None)
+        seen = screen(current.fit, setting, skip=current.ids)
+        structure = structure_test(seen.scored, seed)
+        log.info("round %d: structure p %.4g", n + 1, structure.p)
+        done = structure.p >= LEVEL or n == len(REFITTED)
+        if done:
+            rounds.append(Round(current.fit, seen, structure, {}, {}, None))
+            break
+        block = blocks_of(current.fit, setting)
+        reference = left_out_cost(current.fit)
+        refits: dict[str, Refit] = {}
+        gains: dict[str, tuple[float, float]] = {}
+        ranked = seen.best()[: REFITTED[n]]
+        for i, s in enumerate(ranked):
+            progress(f"refitting with {s.id}", i / len(ranked))
+            trial = refit(setting, current.fit, [*current.variants, s.variant])
+            refits[s.id] = trial
+            gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
+        best = max(gains, key=lambda id: gains[id][0])
+        progress(f"shape of {best}", None)
+        polished = polish_shapes(setting, refits[best])
+        refits[best] = polished
+        gains[best] = gain(reference, left_out_cost(polished.fit), block)
+        drop, error = gains[best]
+        earned = drop > EARNS * error and drop > LEAST_PART * noise_only
+        taken = best if earned else None
+        rounds.append(Round(current.fit, seen, structure, refits, gains, taken))
+        log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
+        if taken is None:
+            break
+        current = refits[best]
+    return Choice(baseline, tuple(rounds), current)
+
+
+def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
+    """Posterior inclusion of each effect that was looked at.
+
+    Models: the baseline, every refit, and those only screened (with their predicted sum of
+    squares), under equal prior odds, by the Bayesian information criterion; sums of squares are
+    divided by the best model's misfit, so that a model that is wrong everywhere is not certain of
+    details.
+    """
+    best = choice.final.fit
+    misfit = max(best.chi2_dof, 1.0)
+    penalty = np.log(max(n_samples, 2))
+    scores: list[tuple[frozenset[str], float]] = []
+    base = frozenset[str]()
+    for r in choice.rounds:
+        ids = base
+        cost = r.before.cost
+        if not scores:
+            scores.append((ids, cost / misfit))
+        q0 = len(r.before.unknowns)
+        for s in r.screen.best():
+            q = len(s.variant.unknowns)
+            if s.id in r.refits:
+                extra = len(r.refits[s.id].fit.unknowns) - q0
+                value = r.refits[s.id].cost / misfit + extra * penalty
+            else:
+                # A linear prediction beyond the noise floor would be a promise nobody can keep.
+                floor = best.cost
+                value = max(cost - s.drop, floor) / misfit + q * penalty
+            offset = sum(len(v.unknowns) for v in choice.final.variants if v.effect.id in ids)
+            scores.append((ids | {s.id}, value + offset * penalty))
+        if r.taken:
+            base = base | {r.taken}
+    lowest = min(v for _, v in scores)
+    weights = [(ids, float(np.exp(-0.5 * (v - lowest)))) for ids, v in scores]
+    total = sum(w for _, w in weights)
+    names = {id for ids, _ in weights for id in ids}
+    return {id: sum(w for ids, w in weights if id in ids) / total for id in names}
+
+
+def tied_by_gain(choice: Choice) -> list[list[str]]:
+    """Effects whose left-out gain does not differ beyond its error from that of a cause."""
+    groups = []
+    for r in choice.rounds:
+        if r.taken is None:
+            continue
+        block = None
+        best = left_out_cost(r.refits[r.taken].fit)
+        for id, trial in r.refits.items():
+            if id == r.taken:
+                continue
+            if block is None:
+                block = np.arange(best.size)
+            other = left_out_cost(trial.fit)
+            drop, error = gain(other, best, block)
+            reference, _ = r.gains[r.taken]
+            if drop < 2.0 * error and drop < 0.1 * max(reference, 1e-300):
+                groups.append(sorted([id, r.taken]))
+    return groups

@@ -1,0 +1,50 @@
+"""Cross-validation inside the fitted data, from the information matrices alone.
+
+Each recording is cut into contiguous parts; a fold is one part of every recording. Leaving a fold
+out moves the unknowns by one Newton step, which the windows' gradients and information matrices
+give without any simulation.
+"""
+
+import numpy as np
+
+from tp_jax.estimation.least_squares import Fit
+
+FOLDS = 5
+
+
+def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
+    """Fold of each window (w,)."""
+    w = fit.problem.windows
+    out = np.zeros(w.n, dtype=int)
+    for r in np.unique(w.recording):
+        mine = np.flatnonzero(w.recording == r)
+        out[mine] = np.minimum(np.arange(mine.size) * n // mine.size, n - 1)
+    return out
+
+
+def left_out_cost(fit: Fit) -> np.ndarray:
+    """Sum of squares of each window (w,) under unknowns fitted without its fold."""
+    free = ~fit.at_bound
+    g = fit.eliminated.g[:, free]
+    H = fit.eliminated.H[:, free][:, :, free]
+    total = fit.information()[np.ix_(free, free)]
+    scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
+    fold = folds(fit)
+    cost = fit.eliminated.cost.copy()
+    for k in np.unique(fold):
+        out = fold == k
+        gk, Hk = g[out].sum(axis=0) / scale, H[out].sum(axis=0) / np.outer(scale, scale)
+        rest = total / np.outer(scale, scale) - Hk
+        move = np.linalg.pinv(rest, rcond=1e-10, hermitian=True) @ gk
+        move = move / scale
+        cost[out] += 2.0 * g[out] @ move + np.einsum("u,wuv,v->w", move, H[out], move)
+    return cost
+
+
+def gain(before: np.ndarray, after: np.ndarray, block: np.ndarray) -> tuple[float, float]:
+    """Drop of the left-out sum of squares and its standard error, from the scatter of blocks."""
+    d = np.zeros(block.max() + 1)
+    np.add.at(d, block, before - after)
+    n = d.size
+    error = float(d.std(ddof=1) * np.sqrt(n)) if n > 1 else np.inf
+    return float(d.sum()), error

@@ -1,0 +1,432 @@
+"""`diagnose`: from a campaign to where the gap lies, what causes it and how far it shrinks."""
+
+import dataclasses
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tp_jax._version import __version__
+from tp_jax.effects import catalogue
+from tp_jax.effects import get as get_effect
+from tp_jax.estimation.assemble import fit_record
+from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.gap import detectability
+from tp_jax.gap.choice import Choice, cause_probabilities, choose, tied_by_gain
+from tp_jax.gap.experiment import propose
+from tp_jax.gap.free_run import free_run, rms, start_state
+from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, floor_square, shrink
+from tp_jax.gap.intervals import intervals
+from tp_jax.gap.location import locate
+from tp_jax.gap.refit import Refit, removable
+from tp_jax.gap.verdict import verdict
+from tp_jax.recordings import Campaign, hold_out
+
+SCHEMA = "tp-jax/diagnosis/1"
+THINNED = 600  # points of a curve in the result
+
+
+@dataclasses.dataclass(frozen=True)
+class Diagnosis:
+    """What `diagnose` found; `to_dict` is diagnosis.json."""
+
+    result: dict[str, Any]
+
+    @property
+    def verdict(self) -> str:
+        """explained, no_gap or unknown."""
+        return self.result["verdict"]
+
+    @property
+    def causes(self) -> list[str]:
+        """Ids of the accepted causes, in order of contribution."""
+        return [c["effect"] for c in self.result["causes"]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain numbers, lists and strings."""
+        return self.result
+
+
+def _silent(stage: str, fraction: float | None) -> None:  # noqa: ARG001
+    """Reports to nobody."""
+
+
+def diagnose(
+    campaign: Campaign,
+    *,
+    model: str = "newton",
+    seed: int = 0,
+    progress: Callable[[str, float | None], None] | None = None,
+) -> Diagnosis:
+    """Where the model falls short of a campaign, which effect is missing, and what it gains.
+
+    Args:
+        campaign: see `load_campaign`. Where no recording is marked held out, one is.
+        model: "newton" or "paper".
+        seed: of every random draw.
+        progress: called with a stage's name and the part of it that is done.
+
+    Returns:
+        A `Diagnosis`. The choice of causes uses the fitted recordings alone; the held-out ones
+        are read once, after it.
+    """
+    begin = time.perf_counter()
+    progress = progress or _silent
+    campaign = hold_out(campaign)
+    setting = prepare_campaign(campaign, model=model)
+    baseline = grow(setting, initial_values(setting), setting.unknowns(), progress=progress)
+    choice = choose(setting, baseline, seed, progress)
+    progress("reading the held-out recordings", None)
+    result = _report(setting, choice, seed)
+    result["provenance"] = {
+        "version": __version__,
+        "seed": seed,
+        "data_sha256": campaign.data_sha256,
+        "wall_s": round(time.perf_counter() - begin, 2),
+    }
+    return Diagnosis(result)
+
+
+def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
+    baseline, final = choice.baseline, choice.final
+    horizon = baseline.problem.windows.horizon
+    horizon = _common_horizon(setting, horizon)
+    before = evaluate(setting, baseline.values, horizon)
+    singles = {id: r for id, r in choice.rounds[0].refits.items()}
+    held: dict[str, HeldOut] = {
+        id: evaluate(setting, r.fit.values, horizon, [v.effect for v in r.variants])
+        for id, r in singles.items()
+    }
+    if final.ids:
+        key = final.ids[0] if len(final.ids) == 1 else None
+        after = held[key] if key else evaluate(
+            setting, final.fit.values, horizon, [v.effect for v in final.variants]
+        )
+    else:
+        after = before
+    total = shrink(setting, before, after, seed)
+    first = choice.rounds[0]
+    excess = _excess(setting, baseline)
+    word = verdict(first.structure.p, excess, len(final.ids), total)
+    no_gap = word == "no_gap"
+    probabilities = cause_probabilities(choice, baseline.dof)
+    shrinks = {id: shrink(setting, before, h, seed) for id, h in held.items()}
+    if no_gap:
+        final = Refit(baseline, ())
+    ids = final.ids
+    start_before, free_before = _free(setting, baseline, (), horizon)
+    start_after, free_after = (
+        _free(setting, final.fit, ids, horizon) if ids else (start_before, free_before)
+    )
+    labels = [r.label for r in setting.recordings]
+    return {
+        "schema": SCHEMA,
+        "campaign": setting.campaign.name,
+        "model": setting.model,
+        "verdict": word,
+        "noise_floor": dict(setting.noise),
+        "gap": {
+            "before": _gap(before, free_before),
+            "after": _gap(after if ids else before, free_after),
+            "shrink": total.value if ids else (None if not total.significant else 0.0),
+            "shrink_ci95": list(total.ci95) if ids and total.ci95 else None,
+            "held_out": [setting.recordings[i].name for i in setting.held_out],
+            "horizon_s": horizon,
+            "removable_significant": total.significant,
+            "structure_p": first.structure.p,
+            "structure_p_after": choice.structure.p if ids else None,
+            "excess_z": excess,
+            "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
+        },
+        "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice)],
+        "causes": _causes(setting, choice, final, before, held, probabilities, horizon, seed),
+        "candidates": _candidates(setting, choice, probabilities, shrinks),
+        "confused_with": _tied(choice, no_gap),
+        "minimum_detectable": _detectable(setting, choice),
+        "absorbed": _absorbed(setting, baseline, final.fit) if ids else {},
+        "fits": {
+            "before": fit_record(baseline.values, (), labels),
+            "after": fit_record(final.fit.values, ids, labels) if ids else None,
+        },
+        "parameters": intervals(final.fit, setting),
+        "next_experiment": _next(setting, choice, no_gap),
+        "recordings": _recordings(setting, start_before, start_after, bool(ids)),
+        "curves": _curves(setting, free_before, free_after if ids else None),
+        "residuals": _residuals(setting, before, after if ids else None),
+        "notes": _notes(setting, baseline, final, word),
+    }
+
+
+def _common_horizon(setting: Setting, horizon: float) -> float:
+    shortest = min(setting.recordings[i].duration for i in setting.held_out)
+    return float(min(horizon, shortest))
+
+
+def _excess(setting: Setting, baseline: Fit) -> float:
+    """Standard errors by which the misfit exceeds the noise, its own uncertainty included."""
+    error = np.hypot(FLOOR_ERROR, np.sqrt(2.0 / max(baseline.dof, 1)))
+    # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
+    del setting
+    return float((baseline.chi2_dof - 1.0) / error)
+
+
+def _free(setting: Setting, fit: Fit, ids: tuple[str, ...], horizon: float):
+    """Start states and free runs of the held-out recordings."""
+    runs, starts = {}, {}
+    for i in setting.held_out:
+        runs[i] = free_run(setting, fit.values, ids, i, horizon)
+        starts[i] = start_state(setting, fit.values, i, horizon)
+    return starts, runs if runs else None
+
+
+def _gap(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, float | None]:
+    setting = windowed.fit.problem
+    squares = []
+    for i, y in (free or {}).items():
+        p = setting.prepared[i]
+        squares.append((((y - p.y)[:, p.channels]) ** 2).mean(axis=0).mean())
+    value = float(np.sqrt(np.mean(squares))) if squares else None
+    if value is not None and not np.isfinite(value):
+        value = None
+    return {"windowed": float(np.sqrt(windowed.mean_square())), "free_run": value}
+
+
+def _causes(setting, choice, final, before, held, probabilities, horizon, seed) -> list[dict]:
+    table = _amplitude_intervals(setting, final)
+    out = []
+    ids: list[str] = []
+    for v in final.variants:
+        ids.append(v.effect.id)
+        if len(ids) == 1:
+            value = shrink(setting, before, held[ids[0]], seed).value
+        else:
+            r = next(r for r in choice.rounds if r.taken == ids[-1])
+            fit = r.refits[ids[-1]]
+            measured = evaluate(
+                setting, fit.fit.values, horizon, [x.effect for x in fit.variants]
+            )
+            value = shrink(setting, before, measured, seed).value
+        out.append(
+            {
+                "effect": v.effect.id,
+                "location": v.effect.location,
+                "channel": v.effect.channel,
+                "probability": probabilities.get(v.effect.id, 0.0),
+                "shrink": value,
+                "parameters": {
+                    **table[v.effect.id],
+                    **{n: {"value": float(x), "unit": _unit(v.effect, n), "ci95": None}
+                       for n, x in v.shapes},
+                },
+            }
+        )  # fmt: skip
+    return out
+
+
+def _unit(effect, name: str) -> str:
+    return next(s.unit for s in effect.shapes if s.name == name)
+
+
+def _amplitude_intervals(setting: Setting, final: Refit) -> dict[str, dict]:
+    every = intervals(final.fit, setting)
+    out: dict[str, dict] = {}
+    for v in final.variants:
+        mine = {}
+        for a in v.effect.amplitudes:
+            name = v.effect.qualified(a.name)
+            if name in every:
+                e = every[name]
+                mine[a.name] = {"value": e["value"], "unit": a.unit, "ci95": e["ci95"]}
+            else:
+                values = [final.fit.values.get(name, u.recording) for u in v.unknowns
+                          if u.name == name]  # fmt: skip
+                mine[a.name] = {"value": values, "unit": a.unit, "ci95": None}
+        out[v.effect.id] = mine
+    return out
+
+
+def _candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrink]) -> list[dict]:
+    first = choice.rounds[0]
+    gap = max(removable(first.before), 1e-12)
+    significant = first.structure.p < 0.05
+    rows = []
+    for s in first.screen.best():
+        realised = shrinks.get(s.id)
+        rows.append(
+            {
+                "effect": s.id,
+                "location": s.variant.effect.location,
+                "channel": s.variant.effect.channel,
+                "applicable": True,
+                "predicted_shrink": float(np.clip(s.drop / gap, 0.0, 1.0)) if significant else None,
+                "realised_shrink": realised.value if realised else None,
+                "probability": probabilities.get(s.id, 0.0),
+                "p": float(first.structure.by_variant[first.screen.scored.index(s)]),
+            }
+        )
+    rows.sort(key=lambda row: -row["probability"])
+    for effect in catalogue().values():
+        if effect.id in {row["effect"] for row in rows}:
+            continue
+        note = first.screen.not_applicable.get(effect.id, "Not screened: it has states of its own.")
+        rows.append(
+            {
+                "effect": effect.id, "location": effect.location, "channel": effect.channel,
+                "applicable": False, "predicted_shrink": None, "realised_shrink": None,
+                "probability": None, "note": note,
+            }
+        )  # fmt: skip
+    return rows
+
+
+def _tied(choice: Choice, no_gap: bool) -> list[list[str]]:
+    groups = detectability.tied_groups(choice.rounds[0].screen)
+    if not no_gap:
+        groups += tied_by_gain(choice)
+    unique = []
+    for g in groups:
+        if g not in unique:
+            unique.append(g)
+    return unique
+
+
+def _detectable(setting: Setting, choice: Choice) -> dict[str, dict | None]:
+    """From the last screen, whose residuals are nearest to the noise."""
+    last, first = choice.rounds[-1], choice.rounds[0]
+    out: dict[str, dict | None] = {}
+    tests = max(len(first.screen.best()), 1)
+    for s in [*last.screen.best(), *first.screen.best()]:
+        if s.id in out:
+            continue
+        inflation = last.before.chi2_dof
+        value = detectability.minimum_detectable(s, tests, inflation)
+        out[s.id] = {"value": value, "unit": s.variant.effect.amplitudes[0].unit}
+    return dict(sorted(out.items()))
+
+
+def _absorbed(setting: Setting, baseline: Fit, after: Fit) -> dict[str, dict]:
+    errors = intervals(after, setting)
+    out = {}
+    for u in baseline.unknowns:
+        if u.recording is not None or u.name not in errors:
+            continue
+        shift = baseline.values.get(u.name) - after.values.get(u.name)
+        sd = errors[u.name]["standard_error"]
+        out[u.name] = {
+            "shift": shift,
+            "in_standard_errors": shift / sd if sd else None,
+            "unit": errors[u.name]["unit"],
+        }
+    return out
+
+
+def _next(setting: Setting, choice: Choice, no_gap: bool) -> dict | None:
+    """A run that separates the best effect from its nearest rival."""
+    if no_gap:
+        return None
+    first = choice.rounds[0]
+    best = first.screen.best()
+    lead = choice.causes[0] if choice.causes else (best[0].id if best else None)
+    if lead is None:
+        return None
+    scored = {s.id: s for s in best}
+    rivals = sorted(
+        (s for s in best if s.id != lead),
+        key=lambda s: -detectability.cosine(first.screen, scored[lead], s),
+    )
+    for rival in rivals[:1]:
+        found = propose(setting, first.before, scored[lead], rival)
+        if found is not None:
+            return {**dataclasses.asdict(found), "separates": list(found.separates)}
+    return None
+
+
+def _recordings(setting: Setting, before: dict, after: dict, explained: bool) -> list[dict]:
+    rows = []
+    for i, r in enumerate(setting.recordings):
+        start = {}
+        if i in before:
+            start = {"before": before[i].tolist()}
+            if explained:
+                start["after"] = after[i].tolist()
+        rows.append(
+            {
+                "label": r.label, "file": r.name, "sha256": r.sha256, "held_out": r.held_out,
+                "forced": r.forced, "omega": r.omega, "begin": float(r.t[0]),
+                "duration": r.duration, "samples": r.n, "start": start,
+            }
+        )  # fmt: skip
+    return rows
+
+
+def _thin(n: int) -> np.ndarray:
+    return np.unique(np.linspace(0, n - 1, min(n, THINNED)).round().astype(int))
+
+
+def _curves(setting: Setting, before: dict, after: dict | None) -> list[dict]:
+    out = []
+    for i in setting.held_out:
+        p = setting.prepared[i]
+        keep = _thin(p.t.size)
+        row: dict[str, Any] = {"recording": setting.recordings[i].label, "t": p.t[keep].tolist()}
+        for c, name in enumerate(("phi1", "phi2")):
+            row[name] = None
+            if p.channels[c]:
+                row[name] = {
+                    "measured": p.y[keep, c].tolist(),
+                    "before": before[i][keep, c].tolist(),
+                    "after": None if after is None else after[i][keep, c].tolist(),
+                }
+        out.append(row)
+    return out
+
+
+def _residuals(setting: Setting, before: HeldOut, after: HeldOut | None) -> list[dict]:
+    out = []
+    windows = before.fit.problem.windows
+    for i in setting.held_out:
+        p = setting.prepared[i]
+        mine = np.flatnonzero(windows.recording == i)
+        series = {}
+        for name, held in (("before", before), ("after", after)):
+            if held is None:
+                series[name] = None
+                continue
+            r = held.fit.linearisation.r
+            rows = [r[j, : 2 * windows.count[j]].reshape(-1, 2) for j in mine]
+            series[name] = np.concatenate(rows)
+        keep = _thin(p.t.size)
+        row: dict[str, Any] = {"recording": setting.recordings[i].label, "t": p.t[keep].tolist()}
+        for c, name in enumerate(("phi1", "phi2")):
+            row[name] = None
+            if p.channels[c]:
+                row[name] = {
+                    k: None if x is None else x[keep, c].tolist() for k, x in series.items()
+                }
+        out.append(row)
+    return out
+
+
+def _notes(setting: Setting, baseline: Fit, final: Refit, word: str) -> list[str]:
+    notes = []
+    if setting.campaign.B1 is None:
+        notes.append("B1 is not given, so B1 = 1 and torques are per unit of B1: no angle can tell.")
+    if setting.rider:
+        notes.append(
+            "Ts2 has no effect on any motion and is held at 0; T0 and Tst are nearly confounded "
+            "with Ts1."
+        )
+    notes.append(f"The friction's smoothing is eps = {setting.eps:g} s.")
+    if not final.fit.converged or not baseline.converged:
+        notes.append("A fit ended at its iteration limit; its numbers may still move.")
+    bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
+    if bound:
+        notes.append(f"At a bound: {', '.join(bound)}.")
+    if word == "unknown":
+        notes.append("No effect of the catalogue explains the gap; what is named holds part of it.")
+    return notes
+
+
+__all__ = ["Diagnosis", "diagnose", "floor_square", "get_effect", "rms"]

@@ -1,0 +1,83 @@
+"""The next experiment: which run would tell two effects apart that these data cannot."""
+
+import dataclasses
+
+import numpy as np
+
+from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.layout import Values
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.problem import Problem, columns, spread
+from tp_jax.estimation.windows import Prepared, cut
+from tp_jax.gap.free_run import run_readings
+from tp_jax.gap.screen import Scored, pseudo_inverse
+
+DURATION = 10.0  # s
+
+
+@dataclasses.dataclass(frozen=True)
+class Proposal:
+    """A run and what it is expected to do.
+
+    expected_sigma: standard deviations by which the two effects, each as large as these data
+    make it, would differ on that run alone, everything else re-optimised.
+    """
+
+    omega: float
+    forced: bool
+    duration: float
+    separates: tuple[str, str]
+    expected_sigma: float
+
+
+def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None:
+    """The best of a few sine runs; None where the drive is measured or no sine can be set."""
+    omegas = [r.omega for r in setting.recordings if r.forced and r.omega]
+    if not setting.sine or not omegas:
+        return None
+    grid = np.unique(np.round(np.linspace(0.7 * min(omegas), 1.15 * max(omegas), 6), 2))
+    record = fit_record(fit.values, (), [r.label for r in setting.recordings])
+    step = float(np.median(np.diff(setting.prepared[0].t)))
+    t = np.arange(0.0, DURATION + 0.5 * step, step)
+    prepared, table = [], []
+    for omega in grid:
+        y = run_readings(pendulum(record, drive_for(record, omega=float(omega))), t, np.zeros(4))
+        v = np.gradient(y, t, axis=0)
+        sd = np.concatenate([np.tile(setting.sigma, (t.size, 1)), np.ones((t.size, 2))], axis=1)
+        channels = np.array([True, setting.rider])
+        prepared.append(Prepared(t, y, channels, np.concatenate([y, v], axis=1), sd, None))
+        column = fit.values.table[:, setting.fitted[-1]].copy()
+        index = setting.layout.index
+        column[index["omega"]], column[index["running"]] = omega, 1.0
+        column[index["drift_middle"]], column[index["drift_rate"]] = 0.5 * DURATION, 1.0 / DURATION
+        table.append(column)
+    values = Values(setting.layout, np.array(table).T)
+    windows = cut(prepared, fit.problem.windows.horizon)
+    problem = Problem(setting.layout, tuple(prepared), windows, setting.sigma, setting.capacity)
+    base = [u for u in fit.unknowns if u.recording is None]
+    effects = [u for s in (a, b) for u in s.variant.unknowns if u.recording is None]
+    if len(effects) < 2:
+        return None
+    values = values.replace({**a.variant.settings, **b.variant.settings})
+    unknowns = [*base, *effects]
+    lin = problem.linearise(values, problem.initial_states(), columns(unknowns))
+    if not lin.complete.all():
+        return None
+    elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
+    nb, qa = len(base), len(a.variant.unknowns)
+    ea = a.estimate if np.any(a.estimate) else np.ones(qa)
+    sigmas = []
+    for i in range(grid.size):
+        H = elim.H[windows.recording == i].sum(axis=0)
+        # How much of effect a's trace is left when the parameters and effect b absorb what they
+        # can on this run.
+        others = [j for j in range(len(unknowns)) if not nb <= j < nb + qa]
+        mine = list(range(nb, nb + qa))
+        V = H[np.ix_(mine, mine)] - H[np.ix_(mine, others)] @ pseudo_inverse(
+            H[np.ix_(others, others)]
+        ) @ H[np.ix_(others, mine)]
+        sigmas.append(float(np.sqrt(max(ea @ V @ ea, 0.0))))
+    best = int(np.argmax(sigmas))
+    return Proposal(float(grid[best]), True, DURATION, (a.id, b.id), sigmas[best])

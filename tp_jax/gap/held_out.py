@@ -1,0 +1,113 @@
+"""The gap on held-out recordings: windowed errors, the part that is gone, its interval.
+
+Read once, after the choice of causes is made.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.least_squares import Anchor, Fit, fit
+from tp_jax.gap.refit import nuisances
+
+FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its estimator
+DRAWS = 2000
+
+
+@dataclasses.dataclass(frozen=True)
+class HeldOut:
+    """Windowed errors of one model on the held-out recordings.
+
+    squares: (w, 2) sums of squares [rad^2] by window and channel; samples: (w, 2) samples less
+    estimated states; fit: the fit of the window states.
+    """
+
+    squares: np.ndarray
+    samples: np.ndarray
+    fit: Fit
+
+    def mean_square(self, weight: np.ndarray | None = None) -> float:
+        """Mean over channels of their mean squares [rad^2]; `weight` (w,) counts windows."""
+        w = np.ones(self.squares.shape[0]) if weight is None else weight
+        used = self.samples.sum(axis=0) > 0
+        total = (w[:, None] * self.squares).sum(axis=0)[used]
+        count = (w[:, None] * self.samples).sum(axis=0)[used]
+        return float((total / np.maximum(count, 1.0)).mean())
+
+
+def carried_over(values: Values, setting: Setting) -> Values:
+    """Numbers for recordings never fitted: what belongs to one recording becomes the mean."""
+    table = values.table.copy()
+    for i, p in enumerate(setting.layout.parameters):
+        if p.scope == "recording" and p.name not in FIXED_BY_RECORDING:
+            table[i, setting.held_out] = table[i, setting.fitted].mean()
+    return Values(values.layout, table)
+
+
+FIXED_BY_RECORDING = ("omega", "running", "metered", "drift_middle", "drift_rate")
+
+
+def evaluate(setting: Setting, values: Values, horizon: float, effects=()) -> HeldOut:
+    """Windowed errors of a model on the held-out recordings.
+
+    Only window states are estimated there (and the zeros of phi2, where an effect depends on
+    them).
+    """
+    values = carried_over(values, setting)
+    problem = setting.problem(horizon, setting.held_out)
+    unknowns: list[Unknown] = []
+    anchors: list[Anchor] = []
+    extra, priors = nuisances(list(effects), setting)
+    if extra:
+        unknowns = [Unknown("zero2", i) for i in setting.held_out]
+        anchors = [
+            Anchor(u, p.centre, p.sd) for u, p in zip(unknowns, [priors[0]] * len(unknowns))
+        ]
+    result = fit(problem, values, unknowns, anchors=anchors, max_iterations=12, relative=1e-5)
+    return squares(setting, result)
+
+
+def squares(setting: Setting, result: Fit) -> HeldOut:
+    """Sums of squares by window and channel of a fit."""
+    problem = result.problem
+    r = result.linearisation.r[:, :-4]
+    nw = r.shape[0]
+    valid = result.linearisation.valid[:, :-4].reshape(nw, -1, 2)
+    error = (r.reshape(nw, -1, 2) * problem.sigma) * valid
+    count = valid.sum(axis=1) - 2.0 * valid.any(axis=1)
+    return HeldOut((error**2).sum(axis=1), count, result)
+
+
+@dataclasses.dataclass(frozen=True)
+class Shrink:
+    """Part of the removable gap that is gone; None where there is no significant gap."""
+
+    value: float | None
+    ci95: tuple[float, float] | None
+    significant: bool
+
+
+def floor_square(setting: Setting) -> float:
+    """Mean over channels of the noise variances [rad^2]."""
+    return float(np.mean([v**2 for v in setting.noise.values()]))
+
+
+def shrink(setting: Setting, before: HeldOut, after: HeldOut, seed: int) -> Shrink:
+    """1 - max(after^2 - floor^2, 0) / (before^2 - floor^2), windows resampled for its interval."""
+    floor = floor_square(setting)
+    rng = np.random.default_rng(seed)
+    n = before.squares.shape[0]
+    weights = rng.multinomial(n, np.full(n, 1.0 / n), size=DRAWS)
+    floors = floor * (1.0 + FLOOR_ERROR * rng.standard_normal(DRAWS))
+    gaps = np.array([before.mean_square(w) for w in weights]) - floors
+    gap = before.mean_square() - floor
+    significant = bool(np.quantile(gaps, 0.025) > 0.0)
+    if not significant:
+        return Shrink(None, None, False)
+    rest = np.array([after.mean_square(w) for w in weights]) - floors
+    part = 1.0 - np.maximum(rest, 0.0) / gaps
+    value = 1.0 - max(after.mean_square() - floor, 0.0) / gap
+    low, high = np.quantile(part, [0.025, 0.975])
+    return Shrink(float(value), (float(min(low, value)), float(max(high, value))), True)

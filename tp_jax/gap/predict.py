@@ -1,0 +1,117 @@
+"""Free-run prediction of a run never seen, from a diagnosis."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tp_jax.errors import InputError
+from tp_jax.estimation.assemble import drive_for, pendulum
+from tp_jax.recordings import load_campaign, local_polynomial
+from tp_jax.simulation.solve import Trajectory, simulate
+
+
+def predict(
+    diagnosis: Mapping[str, Any],
+    *,
+    omega: float | None = None,
+    phi1: float | None = None,
+    recording: str | Path | None = None,
+    duration: float | None = None,
+    rate: float | None = None,
+    model: str = "after",
+) -> Trajectory:
+    """What the sensors would read on a run, before or after the causes are added.
+
+    Exactly one of `omega`, `phi1` and `recording` says which run.
+
+    Args:
+        diagnosis: as in diagnosis.json.
+        omega: frequency of a forced run from rest [rad/s].
+        phi1: angle from which a decay is released, the motor at rest [rad].
+        recording: a file of the campaign whose drive and start are to be used.
+        duration: length [s]; that of the recording if None.
+        rate: samples per second; those of the recording if None.
+        model: "before" or "after".
+
+    Returns:
+        A `Trajectory` whose angles are readings (zero offsets and sensor effects included).
+
+    Raises:
+        InputError: in one sentence, what is wrong with the arguments or the diagnosis.
+    """
+    given = [x is not None for x in (omega, phi1, recording)]
+    if sum(given) != 1:
+        raise InputError("A prediction needs exactly one of omega, phi1 and recording.")
+    try:
+        record = diagnosis["fits"][model]
+    except (KeyError, TypeError):
+        raise InputError(
+            f"The diagnosis holds no fit {model!r}; write it anew with `tp-jax diagnose`."
+        ) from None
+    if record is None:
+        raise InputError("The diagnosis accepted no cause, so that it has only a model 'before'.")
+    if recording is not None:
+        return _of_recording(diagnosis, record, Path(recording), duration, rate)
+    if duration is None or rate is None:
+        raise InputError("A prediction needs a duration and a rate; give --duration and --rate.")
+    t = times(0.0, duration, rate)
+    drift = (0.5 * duration, 1.0 / duration)
+    x0 = np.zeros(4)
+    if phi1 is not None:
+        x0[0] = phi1
+    m = pendulum(record, drive_for(record, omega=omega), None, drift)
+    return readings_of(m, t, x0)
+
+
+def times(start: float, duration: float, rate: float) -> np.ndarray:
+    """Sample times with both ends included."""
+    n = round(duration * rate)
+    return start + np.arange(n + 1) / rate
+
+
+def readings_of(model, t: np.ndarray, x0: np.ndarray) -> Trajectory:
+    """A simulated motion with the sensors' readings in place of the angles."""
+    motion = simulate(model, t, x0, rtol=1e-8, atol=1e-9)
+    states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
+    y1, y2 = model.readings(motion.t, states)
+    return motion._replace(phi1=y1, phi2=y2)
+
+
+def _of_recording(diagnosis, record, file: Path, duration, rate) -> Trajectory:
+    """Drive and start of a campaign's file; a held-out span of it before a fitted one."""
+    if not file.is_file():
+        raise InputError(f"{file} is no file; name a data file that lies beside a campaign.toml.")
+    campaign = load_campaign(file.parent)
+    spans = [r for r in campaign.recordings if r.file.resolve() == file.resolve()]
+    if not spans:
+        raise InputError(f"{file.parent / 'campaign.toml'} has no recording {file.name}; add it.")
+    data = next((r for r in spans if r.held_out), spans[0])
+    t = data.t
+    if duration is not None or rate is not None:
+        length = duration if duration is not None else data.duration
+        t = times(float(t[0]), length, rate or 1.0 / float(np.median(np.diff(t))))
+    if data.measured_drive and t[-1] > data.t[-1] + 1e-9:
+        raise InputError(
+            f"{file.name} has a measured drive up to {data.t[-1]:g} s, ask for no more than that."
+        )
+    sine = data.forced and not data.measured_drive
+    drive = drive_for(record, omega=data.omega if sine else None, t=data.t, reading=data.drive)
+    middle, length = 0.5 * (data.t[0] + data.t[-1]), data.duration
+    m = pendulum(record, drive, data.label, (middle, 1.0 / length))
+    return readings_of(m, t, _start(diagnosis, record, data))
+
+
+def _start(diagnosis, record, data) -> np.ndarray:
+    """State at the start: as the diagnosis estimated it, or smoothed from the first samples."""
+    which = "after" if record is not diagnosis["fits"].get("before") else "before"
+    for r in diagnosis.get("recordings") or []:
+        if r["label"] == data.label and r["sha256"] == data.sha256 and r["start"].get(which):
+            return np.asarray(r["start"][which], dtype=float)
+    x0 = np.zeros(4)
+    for i, y in enumerate((data.phi1, data.phi2)):
+        if y is not None:
+            fit = local_polynomial(data.t[:60], y[:60], 1.0, 15)
+            x0[i], x0[2 + i] = fit.value[0], fit.first[0]
+    return x0

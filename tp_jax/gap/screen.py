@@ -1,0 +1,160 @@
+"""All effects judged from one linearisation at a fit.
+
+With the window states eliminated, the sum of squares is quadratic in the unknowns b of the fit
+and the amplitudes e of every effect at null. The efficient score of an effect, b re-optimised, is
+s = g_e - H_eb H_bb^-1 g_b with information V = H_ee - H_eb H_bb^-1 H_be; its predicted drop of the
+sum of squares is s' V^-1 s. Its covariance is taken from the scatter of the windows, in blocks of
+a second or more, since neighbouring windows are correlated by what the model lacks.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.problem import columns, spread
+from tp_jax.gap.applicability import why_not
+from tp_jax.gap.directions import Variant, layers, variants
+
+BLOCK = 1.0  # s, the least length over which scores are summed before their scatter is taken
+
+
+@dataclasses.dataclass(frozen=True)
+class Scored:
+    """One effect at one set of shape constants, seen from a fit.
+
+    drop: predicted fall of the sum of squares; estimate: (q,) predicted amplitudes; V: (q, q)
+    efficient information; blocks: (B, q) efficient scores by block; shift: (u,) predicted move of
+    the fit's unknowns; rows: what identifies the columns among all (`Screen.columns`).
+    """
+
+    variant: Variant
+    drop: float
+    estimate: np.ndarray
+    V: np.ndarray
+    blocks: np.ndarray
+    shift: np.ndarray
+    rows: slice
+
+    @property
+    def id(self) -> str:
+        """The effect's id."""
+        return self.variant.effect.id
+
+
+@dataclasses.dataclass(frozen=True)
+class Screen:
+    """All effects and grid points; `information` is over all their columns, efficient."""
+
+    scored: tuple[Scored, ...]
+    information: np.ndarray
+    not_applicable: dict[str, str]
+
+    def best(self) -> list[Scored]:
+        """Each effect at its best grid point, largest predicted drop first."""
+        top: dict[str, Scored] = {}
+        for s in self.scored:
+            if s.id not in top or s.drop > top[s.id].drop:
+                top[s.id] = s
+        return sorted(top.values(), key=lambda s: -s.drop)
+
+
+def blocks_of(fit: Fit, setting: Setting) -> np.ndarray:
+    """Block of each window (w,): consecutive windows of a recording, a second or more."""
+    w = fit.problem.windows
+    out = np.zeros(w.n, dtype=int)
+    block, spent, last = -1, np.inf, None
+    for i in range(w.n):
+        t = setting.prepared[w.recording[i]].t
+        length = t[w.first[i] + w.count[i] - 1] - t[w.first[i]]
+        if w.recording[i] != last or spent >= BLOCK * 0.95:
+            block, spent, last = block + 1, 0.0, w.recording[i]
+        out[i] = block
+        spent += length
+    return out
+
+
+def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
+    """Scores every effect that applies and is not in the fit already.
+
+    Args:
+        fit: a fit at its optimum.
+        setting: the campaign.
+        skip: ids to leave out (those in the fit).
+    """
+    missing: dict[str, str] = {}
+    every: list[Variant] = []
+    for effect in setting.layout.effects:
+        reason = why_not(effect, setting)
+        if effect.id in skip:
+            continue
+        if reason:
+            missing[effect.id] = reason
+        else:
+            every += variants(effect, setting)
+    base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
+    parts, order, at = [], [], 0
+    for layer in layers(every):
+        changes: dict[str, float] = {}
+        for v in layer:
+            changes |= v.settings
+        unknowns = [u for v in layer for u in v.unknowns]
+        lin = fit.problem.linearise(fit.values.replace(changes), fit.states, columns(unknowns))
+        parts.append(spread(lin, unknowns))
+        for v in layer:
+            order.append((v, slice(at, at + len(v.unknowns))))
+            at += len(v.unknowns)
+    lin = fit.linearisation
+    base_jac = spread(lin, base)
+    jac = np.concatenate([base_jac, *parts], axis=2)
+    elim = eliminate(lin.r, lin.states_jac, jac)
+    nb = len(base)
+    H, g = elim.H.sum(axis=0), elim.g.sum(axis=0)
+    for a in fit.anchors:
+        if a.unknown in base:
+            i = base.index(a.unknown)
+            H[i, i] += fit.information()[fit.unknowns.index(a.unknown)][
+                fit.unknowns.index(a.unknown)
+            ] - fit.eliminated.H.sum(axis=0)[
+                fit.unknowns.index(a.unknown), fit.unknowns.index(a.unknown)
+            ]
+            g[i] = 0.0  # at the optimum the prior balances the data
+    scale = np.sqrt(np.diag(H))
+    scale = np.where(scale > 0, scale, 1.0)
+    Hbb = H[:nb, :nb] / np.outer(scale[:nb], scale[:nb])
+    Hbe = H[:nb, nb:] / scale[:nb, None]
+    gain = np.linalg.pinv(Hbb, rcond=1e-12, hermitian=True) @ Hbe / scale[:nb, None]
+    V = H[nb:, nb:] - H[nb:, :nb] @ gain
+    V = 0.5 * (V + V.T)
+    score = elim.g[:, nb:] - elim.g[:, :nb] @ gain  # (w, E)
+    block = blocks_of(fit, setting)
+    by_block = np.zeros((block.max() + 1, score.shape[1]))
+    np.add.at(by_block, block, score)
+    total = g[nb:] - g[:nb] @ gain
+    scored = []
+    for variant, rows in order:
+        Ve, s = V[rows, rows], total[rows]
+        inverse = pseudo_inverse(Ve)
+        estimate = -inverse @ s
+        scored.append(
+            Scored(
+                variant, float(s @ inverse @ s), estimate, Ve, by_block[:, rows],
+                -gain[:, rows] @ estimate, rows,
+            )
+        )  # fmt: skip
+    return Screen(tuple(scored), V, missing)
+
+
+def pseudo_inverse(V: np.ndarray) -> np.ndarray:
+    """Inverse of an information matrix; directions without information get none."""
+    scale = np.sqrt(np.maximum(np.diag(V), 0.0))
+    live = scale > 1e-9 * max(scale.max(initial=0.0), 1e-300)
+    out = np.zeros_like(V)
+    if live.any():
+        s = scale[live]
+        core = np.linalg.pinv(V[np.ix_(live, live)] / np.outer(s, s), rcond=1e-9, hermitian=True)
+        out[np.ix_(live, live)] = core / np.outer(s, s)
+    return out

@@ -1,0 +1,15 @@
+"""What people read: a diagnosis as a page, as text and as figures; a trajectory as a picture.
+
+    words, formatting      names in sentences, numbers as text
+    reading -> verdict     a diagnosis that may lack anything -> three plain sentences
+    text                   the verdict for a terminal: `summary`
+    style -> figures       one look for all figures
+    page -> html           everything together in one file: `write_report`
+    trajectory             the figure of `tp-jax simulate --plot`
+
+All start from the plain dictionary of diagnosis.json: a report can be made again without JAX.
+"""
+
+from tp_jax.report.html import write_report as write_report
+from tp_jax.report.text import summary as summary
+from tp_jax.report.trajectory import plot_trajectory as plot_trajectory

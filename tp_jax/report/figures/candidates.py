@@ -1,0 +1,67 @@
+"""The most probable candidates: how far each alone was predicted to shrink the gap, and did."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from tp_jax.report import reading, style
+from tp_jax.report.formatting import percent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST = 10
+_LEAST = -0.25  # longer bars to the left end here, their numbers stand beside them
+_KEYS = ("predicted_shrink", "realised_shrink")
+
+
+def shown(diagnosis: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The candidates that the figure shows: the first ten that have a number."""
+    numbered = [
+        row
+        for row in reading.candidates(diagnosis)
+        if any(reading.value(row, key) is not None for key in _KEYS)
+    ]
+    return numbered[:MOST]
+
+
+def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+    """Two bars for each candidate, accepted causes in bold.
+
+    Returns:
+        None if no candidate has a number.
+    """
+    rows = shown(diagnosis)
+    if not rows:
+        return None
+    accepted = {reading.text(cause, "effect") for cause in reading.causes(diagnosis)}
+    figure = style.new_figure(width, 1.0 + 0.42 * len(rows))
+    axes = figure.subplots()
+    style.dress(axes, grid="x")
+    for key, label, offset, colour in (
+        ("predicted_shrink", "predicted", -0.19, style.BAND),
+        ("realised_shrink", "realised after refitting", 0.19, style.AFTER),
+    ):
+        found = [(y, reading.value(row, key)) for y, row in enumerate(rows)]
+        bars = [(y + offset, x) for y, x in found if x is not None]
+        if bars:
+            places, sizes = zip(*bars, strict=True)
+            drawn = [min(max(x, _LEAST), 1.0) for x in sizes]
+            axes.barh(places, drawn, height=0.36, color=colour, label=label, lw=0.0)
+            for y, x, end in zip(places, sizes, drawn, strict=True):
+                axes.annotate(
+                    percent(x), (max(end, 0.0), y), (4, 0), textcoords="offset points",
+                    va="center", fontsize=style.FONT_SIZE - 1.5, color=style.INK,
+                )  # fmt: skip
+    axes.set_yticks(range(len(rows)), [reading.text(row, "effect") for row in rows])
+    for label in axes.get_yticklabels():
+        if label.get_text() in accepted:
+            label.set_fontweight("bold")
+    axes.invert_yaxis()
+    lowest = min(reading.value(row, key) or 0.0 for row in rows for key in _KEYS)
+    axes.set_xlim(max(min(lowest, 0.0), _LEAST), 1.14)
+    axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25 %", "50 %", "75 %", "100 %"])
+    if lowest < 0.0:
+        axes.axvline(0.0, color=style.INK, lw=0.8)
+    axes.set_xlabel("share of the removable gap that is gone")
+    style.legend(figure, axes, columns=2)
+    return figure

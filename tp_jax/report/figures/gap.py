@@ -1,0 +1,53 @@
+"""The error on held-out data before and after, against the noise."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from tp_jax.report import reading, style
+from tp_jax.report.formatting import angles
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_KINDS = {"free_run": "free run", "windowed": "in windows"}
+
+
+def shown(diagnosis: Mapping[str, Any]) -> list[tuple[str, str, float]]:
+    """Kind of error, before or after, and its size [rad], as far as they are known."""
+    found = [
+        (kind, state, reading.value(diagnosis, "gap", state, kind))
+        for kind in _KINDS
+        for state in ("before", "after")
+    ]
+    return [(kind, state, size) for kind, state, size in found if size is not None]
+
+
+def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+    """A bar for each error, with the noise floor as a line.
+
+    Returns:
+        None if no error is known.
+    """
+    bars = shown(diagnosis)
+    if not bars:
+        return None
+    sizes = [size for *_, size in bars]
+    figure = style.new_figure(width, 0.9 + 0.38 * len(bars))
+    axes = figure.subplots()
+    style.dress(axes, grid=None)
+    colours = {"before": style.BEFORE, "after": style.AFTER}
+    axes.barh(range(len(bars)), sizes, height=0.66, color=[colours[state] for _, state, _ in bars])
+    for y, (size, text) in enumerate(zip(sizes, angles(sizes), strict=True)):
+        axes.annotate(
+            text, (size, y), (5, 0), textcoords="offset points", va="center",
+            fontsize=style.FONT_SIZE, color=style.INK,
+        )  # fmt: skip
+    floor = reading.floor(diagnosis)
+    if floor is not None:
+        axes.axvline(floor, color=style.INK, lw=1.0, ls=(0, (2, 2)))
+    axes.set_yticks(range(len(bars)), [f"{_KINDS[kind]}, {state}" for kind, state, _ in bars])
+    axes.invert_yaxis()
+    axes.set_xlim(0.0, 1.28 * max(*sizes, floor or 0.0, 1e-12))
+    axes.set_xticks([])
+    axes.set_xlabel("error (rms)" if floor is None else "error (rms); dashed: the noise")
+    return figure

@@ -1,0 +1,62 @@
+"""Windowed residuals over time, in units of the noise, before and after."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tp_jax.report import reading, style
+from tp_jax.report.figures.curves import curves_of, drawable, rms
+from tp_jax.report.formatting import number
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def draw(
+    diagnosis: Mapping[str, Any], index: int = 0, width: float = style.WIDE
+) -> "Figure | None":
+    """One row for each channel; the band holds 95 % of pure noise.
+
+    Args:
+        index: which of the recordings that have residuals.
+        width: in inches.
+
+    Returns:
+        None if there is no such recording.
+    """
+    entries = drawable(diagnosis, "residuals")
+    if index >= len(entries):
+        return None
+    channels = curves_of(entries[index])
+    figure = style.new_figure(width, 0.6 + (1.9 if width >= style.WIDE else 2.0) * len(channels))
+    rows = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
+    for curve, axes in zip(channels, rows, strict=True):
+        style.dress(axes)
+        axes.axhspan(-1.96, 1.96, color=style.BAND, alpha=0.25, lw=0.0, label="noise (95 %)")
+        if curve.before is not None:
+            axes.plot(curve.t, curve.before, color=style.BEFORE, lw=0.9, label="before")
+        if curve.after is not None:
+            axes.plot(curve.t, curve.after, color=style.AFTER, lw=0.9, label="after")
+        shown = [y for y in (curve.before, curve.after) if y is not None]
+        largest = max((float(np.nanmax(np.abs(y))) for y in shown), default=0.0)
+        axes.set_ylim(-max(1.05 * largest, 3.0), max(1.05 * largest, 3.0))
+        axes.set_ylabel(f"{reading.CHANNELS[curve.channel]} [noise]")
+        axes.margins(x=0.0)
+    rows[-1].set_xlabel("time [s]")
+    figure.align_ylabels(rows)
+    style.legend(figure, rows[0])
+    return figure
+
+
+def described(diagnosis: Mapping[str, Any], index: int = 0) -> str:
+    """The rms of each channel in units of the noise."""
+    said = []
+    for curve in curves_of(drawable(diagnosis, "residuals")[index]):
+        name = reading.CHANNELS[curve.channel]
+        before, after = rms(curve.before), rms(curve.after)
+        if before is not None and after is not None:
+            said.append(f"{name} {number(before)} before and {number(after)} after")
+        elif before is not None or after is not None:
+            said.append(f"{name} {number(after if before is None else before)}")
+    return f"rms in units of the noise: {'; '.join(said)}"

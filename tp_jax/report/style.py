@@ -1,0 +1,131 @@
+"""One look for all figures: colours, sizes, and figures as SVG that stands inside a page.
+
+The colours are Okabe and Ito's, which people with any of the common colour blindnesses can tell
+apart. In a page they become CSS variables, so that its style sheet can choose lighter ones on a
+dark screen; text and axes take the colour of the page's text.
+"""
+
+import io
+import re
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK = "#1b1f24"
+MUTED = "#6e7781"
+BEFORE = "#d55e00"  # vermillion
+AFTER = "#0072b2"  # blue
+BAND = "#8c959f"
+
+#: Colour of a figure to what stands for it in a page.
+PAGE_COLOURS = {
+    INK: "currentColor",
+    MUTED: "var(--muted)",
+    BEFORE: "var(--before)",
+    AFTER: "var(--after)",
+    BAND: "var(--band)",
+}
+
+#: Widths in inches: beside the verdict, across a page, across a phone.
+BESIDE, WIDE, NARROW = 5.4, 9.6, 3.7
+
+FONT_SIZE = 9.5
+
+_SETTINGS: dict[Any, Any] = {
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "tp-jax",  # the same figure, the same bytes
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "axes.unicode_minus": True,
+}
+_NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
+
+
+def available() -> bool:
+    """Whether there is matplotlib to draw with."""
+    try:
+        import matplotlib.figure  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def new_figure(width: float, height: float) -> "Figure":
+    """An empty figure of its own, no part of pyplot, on a transparent background.
+
+    Args:
+        width, height: in inches.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.patch.set_alpha(0.0)
+    return figure
+
+
+def dress(axes: "Axes", *, grid: Literal["x", "y"] | None = "y") -> None:
+    """Quiet axes: no box, thin grid lines along `grid` ("x", "y" or None)."""
+    axes.patch.set_alpha(0.0)
+    for side in ("top", "right", "left", "bottom"):
+        axes.spines[side].set_visible(False)
+    axes.tick_params(labelsize=FONT_SIZE, labelcolor=INK, length=0.0)
+    axes.xaxis.label.set(size=FONT_SIZE, color=INK)
+    axes.yaxis.label.set(size=FONT_SIZE, color=INK)
+    axes.set_axisbelow(True)
+    if grid:
+        axes.grid(axis=grid, color=BAND, lw=0.6, alpha=0.35)
+
+
+def title(axes: "Axes", text: str) -> None:
+    """A short title at the left."""
+    axes.set_title(text, loc="left", fontsize=FONT_SIZE + 0.5, color=INK, fontweight="bold")
+
+
+def legend(figure: "Figure", axes: "Axes", columns: int = 3) -> None:
+    """The labels of these axes above the figure."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(
+        handles, labels, loc="outside upper left", ncols=columns, frameon=False,
+        fontsize=FONT_SIZE, labelcolor=INK, handlelength=1.6, columnspacing=1.4,
+    )  # fmt: skip
+
+
+def svg(figure: "Figure", name: str, label: str) -> str:
+    """The figure as an `<svg>` element to stand inside an HTML page.
+
+    Args:
+        name: prefix of its ids, which must be unique in the page.
+        label: what it shows, in words, for those who do not see it.
+    """
+    import html
+
+    import matplotlib
+
+    stream = io.StringIO()
+    with matplotlib.rc_context(_SETTINGS):
+        figure.savefig(stream, format="svg", transparent=True, metadata=_NO_METADATA)
+    text = stream.getvalue()
+    box = re.search(r'viewBox="([^"]+)"', text)
+    body = text[text.index(">", text.index("<svg")) + 1 :]
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    # this style would reach the whole page; it has its like in the page's style sheet
+    body = re.sub(r"<defs>\s*<style[^>]*>.*?</style>\s*</defs>", "", body, flags=re.DOTALL)
+    body = re.sub(r"<!--.*?-->\s*", "", body, flags=re.DOTALL)
+    body = re.sub(r'\bid="', f'id="{name}-', body)
+    body = body.replace("url(#", f"url(#{name}-").replace('xlink:href="#', f'href="#{name}-')
+    body = re.sub(r"(font: [^;\"]*?px) [^;\"]*", r"\1 system-ui, sans-serif", body)
+    body = re.sub(r"-?\d+\.\d{3,}", _shorter, body)
+    for colour, variable in PAGE_COLOURS.items():
+        body = body.replace(colour, variable)
+    body = re.sub(r"\n\s*", "\n", body)
+    frame = "" if box is None else f' viewBox="{box.group(1)}"'
+    return f'<svg role="img" aria-label="{html.escape(label)}"{frame}>{body.strip()}'
+
+
+def _shorter(found: re.Match[str]) -> str:
+    """A coordinate to hundredths of a point."""
+    return f"{float(found.group()):.2f}".rstrip("0").rstrip(".")

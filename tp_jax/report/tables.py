@@ -1,0 +1,178 @@
+"""The tables of the page, every cell as text."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from tp_jax.report import reading, verdict, words
+from tp_jax.report.formatting import (
+    MISSING,
+    angles,
+    duration,
+    estimate,
+    number,
+    percent,
+    percents,
+    probability,
+    unit,
+    with_unit,
+)
+
+
+class Table(NamedTuple):
+    """Heads and rows of text; numbers stand in the columns listed in `right`."""
+
+    head: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+    right: frozenset[int] = frozenset()
+
+
+class Named(NamedTuple):
+    """A cell with an id below its words."""
+
+    words: str
+    id: str
+
+
+def gap(diagnosis: Mapping[str, Any]) -> Table | None:
+    """The error on held-out data before and after."""
+    found = reading.table(diagnosis, "gap")
+    horizon, floor = reading.value(found, "horizon_s"), reading.floor(diagnosis)
+    kinds = {
+        "windowed": "in windows" + ("" if horizon is None else f" of {number(horizon, 2)} s"),
+        "free_run": "free run",
+    }
+    rows = []
+    for key, name in kinds.items():
+        before, after = reading.value(found, "before", key), reading.value(found, "after", key)
+        if before is not None or after is not None:
+            rows.append((name, *angles([before, after, floor])))
+    return _table(("Error (rms) on held-out data", "before", "after", "noise"), rows, 1, 2, 3)
+
+
+def causes(diagnosis: Mapping[str, Any]) -> Table | None:
+    """Accepted causes with their sizes."""
+    rows = [
+        (
+            _effect(cause),
+            probability(cause.get("probability")),
+            percent(cause.get("shrink")),
+            "; ".join(verdict.sizes(cause)) or MISSING,
+        )
+        for cause in reading.causes(diagnosis)
+    ]
+    return _table(("Accepted cause", "probability", "shrink", "size"), rows, 1, 2)
+
+
+def candidates(diagnosis: Mapping[str, Any]) -> Table | None:
+    """All candidates that apply and of which something is known."""
+    found = [row for row in reading.candidates(diagnosis) if reading.judged(row)]
+    z = any(reading.value(row, "z") is not None for row in found)
+    note = any(reading.text(row, "note") for row in found)
+    head = ["Effect", "place", "predicted shrink", "realised shrink", "probability"]
+    head += ["z"] * z + ["note"] * note
+    rows = []
+    for row in found:
+        cells = [
+            _effect(row),
+            reading.text(row, "location") or MISSING,
+            percent(row.get("predicted_shrink")),
+            percent(row.get("realised_shrink")),
+            probability(row.get("probability")),
+        ]
+        cells += [number(row.get("z"), 2)] * z + [reading.text(row, "note")] * note
+        rows.append(tuple(cells))
+    return _table(tuple(head), rows, 2, 3, 4, *([5] if z else []))
+
+
+def places(diagnosis: Mapping[str, Any]) -> Table | None:
+    """Where the gap lies, and when."""
+    rows = [
+        (
+            words.capital(words.location(reading.text(place, "location"))),
+            reading.text(place, "channel") or MISSING,
+            percent(place.get("share")),
+            reading.text(place, "when") or MISSING,
+        )
+        for place in reading.rows(diagnosis, "where")
+        if reading.text(place, "location")
+    ]
+    return _table(("Place", "channel", "share", "when"), rows, 2)
+
+
+def detectable(diagnosis: Mapping[str, Any]) -> Table | None:
+    """The smallest size of each effect that this data would have shown."""
+    rows = []
+    for name, given in reading.table(diagnosis, "minimum_detectable").items():
+        entry = reading.table(given)
+        size = reading.value(entry, "value")
+        text = "beyond its range" if size is None else with_unit(size, entry.get("unit"))
+        rows.append((_named(name), text))
+    return _table(("Effect", "minimum detectable size"), rows, 1)
+
+
+def parameters(diagnosis: Mapping[str, Any]) -> Table | None:
+    """The fitted model's parameters, and how far each moved when the causes were added."""
+    absorbed = reading.table(diagnosis, "absorbed")
+    fitted = reading.table(diagnosis, "parameters")
+    rows = []
+    for name in dict.fromkeys([*fitted, *absorbed]):
+        entry = reading.table(fitted, name)
+        value, interval = estimate(entry.get("value"), entry.get("ci95"))
+        if entry.get("identifiable") is False:
+            interval = "not determined by this data"
+        cells = [_named(name, words.parameter(name)), value, interval or MISSING]
+        rows.append((*cells, unit(entry.get("unit")), *_moved(reading.table(absorbed, name))))
+    head = ["Parameter", "value", "95 % interval", "unit", "moved by", "in standard errors"]
+    if not any(cell not in ("", MISSING) for row in rows for cell in row[4:]):
+        return _table(tuple(head[:4]), [row[:4] for row in rows], 1)
+    return _table(tuple(head), rows, 1, 4, 5)
+
+
+def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
+    """Where the numbers come from."""
+    found = reading.table(diagnosis, "provenance")
+    names = {"version": "tp-jax version", "seed": "seed", "wall_s": "computing time"}
+    rows = []
+    for key, name in (("campaign", "campaign"), ("model", "model"), ("schema", "schema")):
+        rows.append((name, reading.text(diagnosis, key)))
+    held_out = reading.texts(reading.table(diagnosis, "gap"), "held_out")
+    rows.append(("held out, never fitted", ", ".join(held_out)))
+    for key, entry in found.items():
+        if isinstance(entry, str | int | float):
+            text = duration(entry) if key == "wall_s" else str(entry)
+            rows.append((names.get(key, key.replace("_", " ")), text))
+    for file, digest in reading.table(found, "data_sha256").items():
+        rows.append((f"SHA-256 of {file}", str(digest)))
+    return _table(("What", "is"), [row for row in rows if row[1]])
+
+
+def shrink_line(diagnosis: Mapping[str, Any]) -> str:
+    """The shrink with its interval, as a sentence; empty where it is not known."""
+    found = reading.table(diagnosis, "gap")
+    shrink, interval = reading.value(found, "shrink"), percents(found.get("shrink_ci95"))
+    if shrink is None:
+        return ""
+    interval = f" (95 % interval {interval})" if interval else ""
+    if shrink < 0.0:
+        return f"The gap grew by {percent(-shrink)} of what could be removed{interval}."
+    return f"{percent(shrink)} of the removable gap is gone{interval}."
+
+
+def _moved(entry: Mapping[str, Any]) -> tuple[str, str]:
+    if not entry:
+        return MISSING, MISSING
+    return number(entry.get("shift")), number(entry.get("in_standard_errors"), 2)
+
+
+def _effect(row: Mapping[str, Any]) -> Any:
+    return _named(reading.text(row, "effect"))
+
+
+def _named(name: str, said: str | None = None) -> Any:
+    """The words for an id, and the id; the id alone where there are no words."""
+    said = words.EFFECTS.get(name, "") if said is None else said
+    return Named(words.capital(said) or name, name if said else "")
+
+
+def _table(head: tuple[str, ...], rows: list[Any], *right: int) -> Table | None:
+    return Table(head, rows, frozenset(right)) if rows else None

@@ -1,0 +1,201 @@
+"""The verdict in three plain sentences: where the gap lies, what causes it, how far it shrinks."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from tp_jax.report import reading, words
+from tp_jax.report.formatting import (
+    angle,
+    angles,
+    estimate,
+    p_value,
+    percent,
+    percents,
+    probability,
+    unit,
+)
+
+_HEADINGS = {
+    "explained": "The gap is explained",
+    "no_gap": "No gap was found",
+    "unknown": "There is a gap that is not explained",
+}
+
+
+class Verdict(NamedTuple):
+    """What a reader takes away.
+
+    Attributes:
+        heading: the verdict in a few words.
+        where, what, how_far: one sentence each.
+        tied: what the causes cannot be told from; empty where there is nothing.
+        error: how close the model comes to held-out data; empty where it is not known.
+    """
+
+    heading: str
+    where: str
+    what: str
+    how_far: str
+    tied: str = ""
+    error: str = ""
+
+
+def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
+    """The verdict of a diagnosis in words."""
+    kind = reading.verdict(diagnosis)
+    if not reading.text(diagnosis, "verdict"):
+        return Verdict(
+            "There is no verdict",
+            "The diagnosis does not say whether there is a gap.",
+            _what(diagnosis) if reading.causes(diagnosis) else "No cause is given.",
+            _how_far(diagnosis),
+            error=_error(diagnosis),
+        )
+    if kind == "no_gap":
+        said = _HEADINGS[kind], _no_gap(diagnosis), "No effect needs to be added to the model."
+        return Verdict(*said, _unseen(diagnosis), error=_error(diagnosis))
+    heading, causes = _HEADINGS[kind], reading.causes(diagnosis)
+    if kind == "unknown" and causes:
+        heading = "The gap is explained only in part"
+    return Verdict(
+        heading,
+        _where(diagnosis),
+        _what(diagnosis),
+        _how_far(diagnosis),
+        tied=" ".join(filter(None, (_tied(diagnosis, cause) for cause in causes))),
+        error=_error(diagnosis),
+    )
+
+
+def _where(diagnosis: Mapping[str, Any]) -> str:
+    places = reading.rows(diagnosis, "where")
+    places = [place for place in places if reading.text(place, "location")]
+    if not places:
+        return "The diagnosis could not say where the gap lies."
+    first = places[0]
+    share = reading.value(first, "share")
+    mainly = "" if share is not None and share > 0.95 else "mainly "
+    said = f"The gap lies {mainly}in {words.location(reading.text(first, 'location'))}"
+    if share is not None:
+        said += f": {percent(share)} of it shows there"
+    when = reading.text(first, "when")
+    return f"{said}, {_when(when)}." if when else f"{said}."
+
+
+def _when(text: str) -> str:
+    starts = ("when", "while", "at ", "in ", "above", "below", "around", "near", "after", "before",
+              "during", "throughout", "mainly", "mostly")  # fmt: skip
+    return text if text.startswith(starts) else f"when {text}"
+
+
+def _what(diagnosis: Mapping[str, Any]) -> str:
+    causes = reading.causes(diagnosis)
+    if not causes and reading.verdict(diagnosis) == "explained":
+        return "The diagnosis does not name the cause."
+    if not causes:
+        return (
+            "No effect of the catalogue explains it well enough to be named; the cause may lie "
+            "outside the catalogue."
+        )
+    parts = [f"{words.effect(reading.text(cause, 'effect'))} ({_named(cause)})" for cause in causes]
+    if reading.verdict(diagnosis) != "explained":
+        return f"Part of it comes from this: {'; '.join(parts)}."
+    return f"The {'cause' if len(parts) == 1 else 'causes'}: {'; '.join(parts)}."
+
+
+def _named(cause: Mapping[str, Any]) -> str:
+    said = [reading.text(cause, "effect")]
+    if reading.value(cause, "probability") is not None:
+        said.append(f"probability {probability(cause['probability'])}")
+    return ", ".join(said)
+
+
+def _tied(diagnosis: Mapping[str, Any], cause: Mapping[str, Any]) -> str:
+    effect = reading.text(cause, "effect")
+    others = reading.tied_with(diagnosis, effect)
+    if not others:
+        return ""
+    return f"This data cannot tell {effect} from {words.listed(others, 'or')}."
+
+
+def _how_far(diagnosis: Mapping[str, Any]) -> str:
+    gap, causes = reading.table(diagnosis, "gap"), reading.causes(diagnosis)
+    shrink, interval = reading.value(gap, "shrink"), percents(gap.get("shrink_ci95"))
+    if not causes and reading.text(diagnosis, "verdict") == "unknown":
+        return "Nothing was added to the model, so the gap stays as it is."
+    if shrink is None and gap.get("removable_significant") is False:
+        return "The gap on held-out data is too close to the noise to say how far it shrinks."
+    if shrink is None:
+        return "How far the gap shrinks is not known."
+    added = f"With {'them' if len(causes) > 1 else 'it'} in the model, " if causes else ""
+    interval = f" (95 % interval {interval})" if interval else ""
+    if shrink < 0.0:
+        return words.capital(
+            f"{added}the gap on held-out data grew by {percent(-shrink)} of what could be "
+            f"removed{interval}."
+        )
+    return f"{added}{percent(shrink)} of the removable gap is gone{interval}."
+
+
+def _no_gap(diagnosis: Mapping[str, Any]) -> str:
+    p = p_value(reading.value(diagnosis, "gap", "structure_p"))
+    test = f" (test of structure: {p})" if p else ""
+    return f"What the fitted model leaves of the recordings looks like noise{test}."
+
+
+def _unseen(diagnosis: Mapping[str, Any]) -> str:
+    sizes = reading.table(diagnosis, "minimum_detectable")
+    small = "smaller than the minimum detectable sizes" if sizes else "too small for this data"
+    return f"Effects {small} may be there all the same."
+
+
+def _error(diagnosis: Mapping[str, Any]) -> str:
+    """The error on held-out data: of a free run, or in windows where that is not known."""
+    gap, floor = reading.table(diagnosis, "gap"), reading.floor(diagnosis)
+    for key, kind in (("free_run", "of a free run"), ("windowed", "in short windows")):
+        before, after = reading.value(gap, "before", key), reading.value(gap, "after", key)
+        if before is None:
+            continue
+        first, last, noise = angles([before, after, floor])
+        change = after is not None and bool(reading.causes(diagnosis))
+        size = f"goes from {first} to {last}" if change else f"is {first}"
+        end = "" if floor is None else f"; the noise is {noise}"
+        return f"The error {kind} over data never fitted {size}{end}."
+    return ""
+
+
+def sizes(cause: Mapping[str, Any]) -> list[str]:
+    """The parameters of a cause, as `strength 0.580 (95 % interval 0.550 to 0.610)`."""
+    said = []
+    for name, entry in reading.table(cause, "parameters").items():
+        entry = reading.table(entry)
+        size, interval = estimate(entry.get("value"), entry.get("ci95"))
+        of = f" {unit(reading.text(entry, 'unit'))}".rstrip()
+        interval = f" (95 % interval {interval})" if interval else ""
+        said.append(f"{name} {size}{of}{interval}")
+    return said
+
+
+def next_experiment(diagnosis: Mapping[str, Any]) -> str:
+    """What to record next and why, in one or two sentences; empty where nothing is proposed."""
+    plan = reading.table(diagnosis, "next_experiment")
+    omega, sigma = reading.value(plan, "omega"), reading.value(plan, "expected_sigma")
+    separates = reading.texts(plan, "separates")
+    if plan.get("forced") is False:
+        release = reading.value(plan, "phi1")
+        said = "Record a free decay with the motor at rest"
+        said += f", released at {angle(release)}," if release is not None else ","
+    elif omega is not None:
+        said = f"Drive the column at {omega:.3g} rad/s"
+    else:
+        return ""
+    if not separates:
+        return f"{said.rstrip(',')}."
+    if len(separates) == 1:
+        aim = f"settle {separates[0]}"
+    elif len(separates) == 2:
+        aim = f"tell {separates[0]} from {separates[1]}"
+    else:
+        aim = f"tell {words.listed(separates)} apart"
+    by = "" if sigma is None else f" (expected: {sigma:.2g} standard errors)"
+    return f"{said} to {aim}{by}."
