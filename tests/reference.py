@@ -35,7 +35,7 @@ FORMULAS: dict[str, tuple[str, Callable[..., float]]] = {
     "drive_frequency": ("theta", lambda q, a: (q.omega + a) * q.t),
     "drive_steps": ("theta", lambda q, a, q_: (
         q.theta + a * (q_ * round(q.theta / q_) - q.theta))),
-    "spring_asymmetry": ("spring", lambda q, a: q.k * (q.d + a * q.d * abs(q.d))),
+    "spring_asymmetry": ("spring", lambda q, a: q.k * (q.d + a * abs(q.d))),
     "spring_hardening": ("spring", lambda q, a: q.k * (q.d + a * q.d**3)),
     "spring_relaxation": ("spring", lambda q, a: q.k * (1 + a * q.s) * q.d),
     "bearing_stribeck": ("ML", lambda q, a, vs: (

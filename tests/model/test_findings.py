@@ -57,8 +57,8 @@ def test_energy_never_grows_undriven(y0, reaction):
 
 
 def test_without_the_factor_in_the_books_energy_seems_to_rise():
-    values = BENCH | {"A": 0.0, "reaction": 2.0}
-    phi1, _, v1, v2 = np.asarray(motion(values, jnp.array([0.0, 0.0, 0.0, 10.0])))
+    values = BENCH | {"A": 0.0, "c1": 0.0, "M1": 0.0, "reaction": 2.0}
+    phi1, _, v1, v2 = np.asarray(motion(values, jnp.array([0.0, 0.0, 1.5, 0.3])))
     naive = 0.5 * (BENCH["B1"] * v1**2 + BENCH["B2"] * (v1 + v2) ** 2 + BENCH["k"] * phi1**2)
     assert np.diff(naive).max() > 1e-3 * naive.max()
 
@@ -85,9 +85,6 @@ def test_from_rest_the_papers_rider_never_slips():
 
 
 def test_Ts2_has_no_influence():
-    without, with_it = motion(PAPER | {"Ts2": 0.0}, REST), motion(PAPER | {"Ts2": 7.0}, REST)
-    np.testing.assert_array_equal(without, with_it)
-    _, tangent = jax.jvp(
-        lambda Ts2: motion(PAPER | {"Ts2": Ts2}, LIVELY), (jnp.asarray(2.0),), (jnp.ones(()),)
-    )
-    assert not np.any(tangent)
+    for y0 in (REST, LIVELY):  # at rest to start with, and sliding both ways
+        without, with_it = motion(PAPER | {"Ts2": 0.0}, y0), motion(PAPER | {"Ts2": 7.0}, y0)
+        np.testing.assert_array_equal(without, with_it)

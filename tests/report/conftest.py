@@ -193,6 +193,12 @@ def diagnosis(request) -> dict:
     return KINDS[request.param]()
 
 
+@pytest.fixture(scope="module", params=list(KINDS))
+def any_diagnosis(request) -> dict:
+    """As `diagnosis`, for what is made of it once and only looked at."""
+    return KINDS[request.param]()
+
+
 @pytest.fixture
 def made():
     """Makes a diagnosis of a kind."""

@@ -10,7 +10,7 @@ constants are, and gives the increment:
         amplitudes = (Amplitude("a", "1", typical=0.05),)
 
         def increment(self, m, a):
-            return a * m.k * m.d * abs(m.d)
+            return a * m.k * abs(m.d)
 
 Amplitude zero must be an interior point (or the edge of a physical range) with a derivative that
 is not zero there, since all effects are judged from one linearisation at null.
@@ -88,6 +88,8 @@ class Effect:
         needs: conditions a campaign must meet: "rider" (two angles), "sine" (a commanded drive),
             "several" (more than one recording), "inertias" (B1 and B2 given).
         uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
+        relative: the amplitudes of the recordings matter only relative to each other (their common
+            part is a parameter's), so that the last recording's is held at zero.
         n_states: number of states of its own.
         formula, source, looks_like: for people.
     """
@@ -99,6 +101,7 @@ class Effect:
     shapes: ClassVar[tuple[Shape, ...]] = ()
     needs: ClassVar[frozenset[str]] = frozenset()
     uses_phi2: ClassVar[bool] = False
+    relative: ClassVar[bool] = False
     n_states: ClassVar[int] = 0
     formula: ClassVar[str] = ""
     source: ClassVar[str] = ""
@@ -121,6 +124,11 @@ class Effect:
     def channel(self) -> str:
         """column, contact, sensor1, sensor2 or clock."""
         return CHANNELS[self.location]
+
+    @property
+    def about_rider(self) -> bool:
+        """Whether it makes no sense without a second body."""
+        return "rider" in self.needs or self.hook in ("contact", "sensor2")
 
     def qualified(self, name: str) -> str:
         """Name of one of its amplitudes or constants among all parameters."""

@@ -9,8 +9,9 @@ class ContactRepeatability(Effect):
     id = "contact_repeatability"
     location = "contact"
     hook = "contact"
-    amplitudes = (Amplitude("a", "1", typical=0.1, per_recording=True),)
+    amplitudes = (Amplitude("a", "1", typical=0.1, lower=-1.0, upper=1.0, per_recording=True),)
     needs = frozenset({"rider", "several"})
+    relative = True
     formula = "Ts1 (1 + a_r), sum of a_r = 0"
     source = "Section 6 of the paper"
     looks_like = "each recording alone fits well, all together do not"

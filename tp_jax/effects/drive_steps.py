@@ -13,7 +13,7 @@ class DriveSteps(Effect):
     id = "drive_steps"
     location = "drive"
     hook = "phase"
-    amplitudes = (Amplitude("a", "1", typical=1.0),)
+    amplitudes = (Amplitude("a", "1", typical=1.0, lower=-1.0, upper=1.0),)
     shapes = (Shape("q", "rad", (math.pi / 100, math.pi / 800, math.pi / 1600)),)
     needs = frozenset({"sine"})
     formula = "theta + a (q round(theta / q) - theta)"

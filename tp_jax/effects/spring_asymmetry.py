@@ -6,16 +6,16 @@ from tp_jax.effects.base import Amplitude, Effect
 
 
 class SpringAsymmetry(Effect):
-    """`k (d + a d |d|)`"""
+    """`k (d + a |d|)`"""
 
     id = "spring_asymmetry"
     location = "spring"
     hook = "spring"
     amplitudes = (Amplitude("a", "1", typical=0.05),)
-    formula = "k (d + a d |d|)"
+    formula = "k (d + a |d|)"
     source = "Section 6 of the paper"
     looks_like = "peaks of one sign larger than those of the other"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""
-        return m.k * a * m.d * jnp.abs(m.d)
+        return m.k * a * jnp.abs(m.d)

@@ -94,7 +94,9 @@ class Setting:
         which = self.fitted if which is None else which
         windows = cut([self.prepared[i] for i in which], horizon)
         windows = dataclasses.replace(windows, recording=np.array(which)[windows.recording])
-        return Problem(self.layout, self.prepared, windows, self.sigma, self.capacity)
+        return Problem(
+            self.layout, self.prepared, windows, self.sigma, self.capacity, self.fixed["B1"]
+        )
 
     def unknowns(self) -> tuple[Unknown, ...]:
         """The baseline's unknowns and the nuisances that go with it."""
@@ -142,6 +144,8 @@ def prepare_campaign(
     sigma = np.where(sigma > 0.0, sigma, 1e-6)
     if effects is None:
         effects = [e for e in catalogue().values() if e.n_states == 0]
+        if campaign.model == "single":
+            effects = [e for e in effects if not e.about_rider]
     layout = Layout(campaign.model, tuple(effects))
     step = float(np.median([np.median(np.diff(r.t)) for r in recordings]))
     period = _period(fitted)

@@ -69,8 +69,8 @@ class Fit:
 
 
 def parameter(problem: Problem, unknown: Unknown) -> Parameter:
-    """Specification of an unknown's slot."""
-    return problem.layout.parameters[problem.layout.index[unknown.name]]
+    """Specification of an unknown's slot, scaled to the rig."""
+    return problem.layout.parameters[problem.layout.index[unknown.name]].scaled(problem.B1)
 
 
 def fit(

@@ -63,6 +63,7 @@ class Problem:
         sigma: (2,) noise by channel [rad].
         capacity: samples of a block; the same for all horizons of a campaign, so that one
             compiled program serves them.
+        B1: inertia of the column, to which bounds and typical sizes are scaled [kg m^2].
         tolerances: of the integration.
     """
 
@@ -71,6 +72,7 @@ class Problem:
     windows: Windows
     sigma: np.ndarray
     capacity: int
+    B1: float
     tolerances: Tolerances = Tolerances()  # noqa: RUF009
 
     @property

@@ -21,8 +21,10 @@ def conditions(setting: Setting) -> frozenset[str]:
 
 def why_not(effect: Effect, setting: Setting) -> str | None:
     """None if the effect applies, else one sentence that says what is missing."""
+    if effect.n_states:
+        return "Not screened: it has states of its own."
     missing = effect.needs - conditions(setting)
-    if effect.hook == "contact" and not setting.rider:
+    if effect.about_rider and not setting.rider:
         missing = missing | {"rider"}
     words = {
         "rider": "it needs the angle of a rider",

@@ -9,7 +9,7 @@ import numpy as np
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.crossvalidation import gain, left_out_cost
-from tp_jax.gap.refit import Refit, polish_shapes, refit, removable
+from tp_jax.gap.refit import Refit, polish, refit, removable
 from tp_jax.gap.screen import Screen, blocks_of, screen
 from tp_jax.gap.structure import Structure, structure_test
 
@@ -85,8 +85,8 @@ def choose(
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         best = max(gains, key=lambda id: gains[id][0])
-        progress(f"shape of {best}", None)
-        polished = polish_shapes(setting, refits[best])
+        progress(f"polishing {best}", None)
+        polished = polish(setting, refits[best])
         refits[best] = polished
         gains[best] = gain(reference, left_out_cost(polished.fit), block)
         drop, error = gains[best]

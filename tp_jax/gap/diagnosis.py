@@ -14,6 +14,7 @@ from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
+from tp_jax.gap.applicability import why_not
 from tp_jax.gap.choice import Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_run, rms, start_state
@@ -270,7 +271,7 @@ def _candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrin
     for effect in catalogue().values():
         if effect.id in {row["effect"] for row in rows}:
             continue
-        note = first.screen.not_applicable.get(effect.id, "Not screened: it has states of its own.")
+        note = why_not(effect, setting)
         rows.append(
             {
                 "effect": effect.id, "location": effect.location, "channel": effect.channel,

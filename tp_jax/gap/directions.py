@@ -37,7 +37,7 @@ def amplitude_unknowns(effect: Effect, setting: Setting) -> tuple[Unknown, ...]:
         if not a.per_recording:
             unknowns.append(Unknown(name))
             continue
-        for i in setting.fitted:
+        for i in setting.fitted[:-1] if effect.relative else setting.fitted:
             r = setting.recordings[i]
             if "sine" in effect.needs and (not r.forced or r.measured_drive):
                 continue

@@ -55,7 +55,10 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
         table.append(column)
     values = Values(setting.layout, np.array(table).T)
     windows = cut(prepared, fit.problem.windows.horizon)
-    problem = Problem(setting.layout, tuple(prepared), windows, setting.sigma, setting.capacity)
+    problem = Problem(
+        setting.layout, tuple(prepared), windows, setting.sigma, setting.capacity,
+        setting.fixed["B1"],
+    )  # fmt: skip
     base = [u for u in fit.unknowns if u.recording is None]
     effects = [u for s in (a, b) for u in s.variant.unknowns if u.recording is None]
     if len(effects) < 2:

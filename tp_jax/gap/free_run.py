@@ -24,7 +24,10 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
     windows = Windows(
         np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon
     )
-    problem = Problem(setting.layout, setting.prepared, windows, setting.sigma, setting.capacity)
+    problem = Problem(
+        setting.layout, setting.prepared, windows, setting.sigma, setting.capacity,
+        setting.fixed["B1"],
+    )  # fmt: skip
     return fit(problem, values, (), max_iterations=15, relative=1e-6).states[0]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from tp_jax.effects import Effect
 from tp_jax.estimation.baseline import Setting, handed_on
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Anchor, Fit, fit
+from tp_jax.estimation.least_squares import Anchor, Fit, fit, parameter
 from tp_jax.gap.directions import Variant
 
 log = logging.getLogger(__name__)
@@ -52,6 +52,7 @@ def refit(
     *,
     horizon: float | None = None,
     max_iterations: int = 20,
+    relative: float = 1e-3,
 ) -> Refit:
     """Adds effects to a fit and finds the new optimum.
 
@@ -61,7 +62,7 @@ def refit(
         variants: effects with shape constants, those of `before` included.
         start: amplitudes to start from, by slot; what `before` has if None.
         horizon: window length; that of `before` if None.
-        max_iterations: see `least_squares.fit`.
+        max_iterations, relative: see `least_squares.fit`; coarse, since only the best is polished.
     """
     unknowns = list(setting.unknowns())
     values = before.values
@@ -79,7 +80,7 @@ def refit(
     base = [a for a in setting.anchors() if a.unknown in unknowns]
     result = fit(
         problem, values, unknowns, states, bounds=setting.bounds, anchors=[*base, *anchors],
-        max_iterations=max_iterations, relative=1e-6,
+        max_iterations=max_iterations, relative=relative,
     )  # fmt: skip
     log.info("%s: chi2/dof %.4g, %s", "+".join(v.effect.id for v in variants),
              result.chi2_dof, result.message)  # fmt: skip
@@ -93,29 +94,38 @@ def _moved(values: Values, start: dict[str, float]) -> Values:
     return Values(values.layout, table)
 
 
-def polish_shapes(setting: Setting, result: Refit, max_iterations: int = 15) -> Refit:
-    """Frees the continuous shape constants of the last effect, from where the grid left them."""
-    last = result.variants[-1]
-    free = [s for s in last.effect.shapes if s.continuous]
-    if not free:
-        return result
-    names = [last.effect.qualified(s.name) for s in free]
-    before = result.fit
+def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
+    """Takes a refit to its optimum: shape constants freed, parameters moved off their bounds.
+
+    Continuous shape constants of the last effect are freed from where the grid left them. A
+    parameter that a wrong model had pushed to a bound may be held there by another; it is tried
+    anew from inside, and kept where it does better.
+    """
+    last, before = result.variants[-1], result.fit
+    unknowns = list(before.unknowns)
     bounds = dict(setting.bounds)
-    for s, name in zip(free, names, strict=True):
+    for s in (s for s in last.effect.shapes if s.continuous):
+        name = last.effect.qualified(s.name)
         bounds[name] = (min(s.grid) / 3.0, max(s.grid) * 3.0)
-    unknowns = [*before.unknowns, *(Unknown(n) for n in names)]
-    polished = fit(
-        before.problem, before.values, unknowns, before.states, bounds=bounds,
-        anchors=before.anchors, max_iterations=max_iterations, relative=1e-6,
-    )  # fmt: skip
-    if not polished.cost < before.cost:
-        return result
-    shapes = tuple(
-        (s.name, polished.values.get(last.effect.qualified(s.name))) for s in last.effect.shapes
-    )
+        unknowns.append(Unknown(name))
+    done = _again(before, before.values, unknowns, bounds, max_iterations)
+    stuck = [u for u, b in zip(done.unknowns, done.at_bound, strict=True) if b]
+    stuck = [u for u in stuck if parameter(done.problem, u).transform == "identity"]
+    if stuck:
+        inside = {u.name: 0.2 * parameter(done.problem, u).typical for u in stuck}
+        trial = _again(done, done.values.replace(inside), unknowns, bounds, max_iterations)
+        done = trial if trial.cost < done.cost else done
+    names = {s.name for s in last.effect.shapes}
+    shapes = tuple((n, done.values.get(last.effect.qualified(n))) for n in sorted(names))
     variant = dataclasses.replace(last, shapes=shapes)
-    return Refit(polished, (*result.variants[:-1], variant))
+    return Refit(done, (*result.variants[:-1], variant))
+
+
+def _again(before: Fit, values: Values, unknowns, bounds, max_iterations: int) -> Fit:
+    return fit(
+        before.problem, values, unknowns, before.states, bounds=bounds, anchors=before.anchors,
+        max_iterations=max_iterations, relative=1e-7,
+    )  # fmt: skip
 
 
 def removable(fit: Fit) -> float:

@@ -6,7 +6,8 @@ from typing import Any
 
 MISSING = "–"
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-_MOST_DECIMALS = 9
+_MOST_DIGITS = 9
+_SMALLEST, _LARGEST = -3, 5  # powers of ten written out
 
 
 def finite(value: Any) -> float | None:
@@ -30,7 +31,7 @@ def number(value: Any, digits: int = 3) -> str:
     text = f"{abs(x):.{digits - 1}e}"
     mantissa, exponent = text.split("e")
     power = int(exponent)
-    if -4 <= power <= 5:
+    if _SMALLEST <= power <= _LARGEST:
         text = f"{float(text):,.{max(digits - 1 - power, 0)}f}"
     else:
         text = f"{mantissa} × 10{str(power).translate(_RAISED)}"
@@ -100,9 +101,9 @@ def estimate(value: Any, ci95: Any) -> tuple[str, str]:
     else:
         # two digits of the half width; counted from the largest number's first
         digits = math.floor(math.log10(largest)) - math.floor(math.log10(width / 2.0)) + 2
-    digits = min(max(digits, 3), _MOST_DECIMALS)
+    digits = min(max(digits, 3), _MOST_DIGITS)
     place = math.floor(math.log10(largest)) if largest else 0
-    if -4 <= place <= 5:  # one number of decimals for all three
+    if _SMALLEST <= place <= _LARGEST:  # one number of decimals for all three
         decimals = max(digits - 1 - place, 0)
         said = [f"{y:,.{decimals}f}".replace("-", "−") for y in (x, *ends)]
     else:

@@ -1,6 +1,7 @@
 """One file that holds the whole report: styles and figures inside, nothing fetched, no script."""
 
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -54,6 +55,8 @@ def render(diagnosis: Mapping[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["initial"] = words.capital
+    environment.filters["together"] = _together
     environment.filters["drawn"] = Markup  # the figures' own markup, whose texts are escaped
     return environment.get_template(TEMPLATE).render(context(diagnosis))
 
@@ -71,7 +74,7 @@ def context(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
         "first": pictures.first(diagnosis) if figures else None,
         "no_figures": "" if figures else NO_FIGURES,
         "gap": tables.gap(diagnosis),
-        "shrink": tables.shrink_line(diagnosis),
+        "shrink": tables.shrink_line(diagnosis) if reading.causes(diagnosis) else "",
         "runs": pictures.runs(diagnosis) if figures else [],
         "windows": pictures.windows(diagnosis) if figures else [],
         "not_drawn": _not_drawn(diagnosis),
@@ -107,6 +110,11 @@ def _not_drawn(diagnosis: Mapping[str, Any]) -> str:
 
 def _groups(diagnosis: Mapping[str, Any]) -> list[list[tables.Named]]:
     return [
-        [tables.Named(words.capital(words.EFFECTS.get(name, name)), name) for name in group]
+        [tables.Named(words.EFFECTS.get(name, name), name) for name in group]
         for group in reading.groups(diagnosis)
     ]
+
+
+def _together(text: str) -> str:
+    """The text with numbers and their units on one line."""
+    return re.sub(r"(?<=\d) (?=[%mµ×\d]|rad\b|s\b)", "\u00a0", text)

@@ -81,6 +81,13 @@ def inapplicable(diagnosis: Mapping[str, Any]) -> list[str]:
     return [text(row, "effect") for row in named if row.get("applicable") is False]
 
 
+def states(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
+    """before and after; before alone where no error after is known."""
+    after = table(diagnosis, "gap", "after")
+    known = any(finite(size) is not None for size in after.values())
+    return ("before", "after") if known else ("before",)
+
+
 def floor(diagnosis: Mapping[str, Any]) -> float | None:
     """Noise floor over the channels [rad]: the root of the mean of their squares."""
     found = [value(diagnosis, "noise_floor", channel) for channel in CHANNELS]

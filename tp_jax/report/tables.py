@@ -37,16 +37,18 @@ def gap(diagnosis: Mapping[str, Any]) -> Table | None:
     """The error on held-out data before and after."""
     found = reading.table(diagnosis, "gap")
     horizon, floor = reading.value(found, "horizon_s"), reading.floor(diagnosis)
+    states = reading.states(diagnosis)
     kinds = {
         "windowed": "in windows" + ("" if horizon is None else f" of {number(horizon, 2)} s"),
         "free_run": "free run",
     }
     rows = []
     for key, name in kinds.items():
-        before, after = reading.value(found, "before", key), reading.value(found, "after", key)
-        if before is not None or after is not None:
-            rows.append((name, *angles([before, after, floor])))
-    return _table(("Error (rms) on held-out data", "before", "after", "noise"), rows, 1, 2, 3)
+        sizes = [reading.value(found, state, key) for state in states]
+        if any(size is not None for size in sizes):
+            rows.append((name, *angles([*sizes, floor])))
+    names = states if len(states) > 1 else ("error",)
+    return _table(("Error (rms) on held-out data", *names, "noise"), rows, 1, 2, 3)
 
 
 def causes(diagnosis: Mapping[str, Any]) -> Table | None:
@@ -66,22 +68,18 @@ def causes(diagnosis: Mapping[str, Any]) -> Table | None:
 def candidates(diagnosis: Mapping[str, Any]) -> Table | None:
     """All candidates that apply and of which something is known."""
     found = [row for row in reading.candidates(diagnosis) if reading.judged(row)]
-    z = any(reading.value(row, "z") is not None for row in found)
-    note = any(reading.text(row, "note") for row in found)
-    head = ["Effect", "place", "predicted shrink", "realised shrink", "probability"]
-    head += ["z"] * z + ["note"] * note
-    rows = []
-    for row in found:
-        cells = [
-            _effect(row),
-            reading.text(row, "location") or MISSING,
-            percent(row.get("predicted_shrink")),
-            percent(row.get("realised_shrink")),
-            probability(row.get("probability")),
-        ]
-        cells += [number(row.get("z"), 2)] * z + [reading.text(row, "note")] * note
-        rows.append(tuple(cells))
-    return _table(tuple(head), rows, 2, 3, 4, *([5] if z else []))
+    columns = {
+        "Effect": [_effect(row) for row in found],
+        "place": [reading.text(row, "location") or MISSING for row in found],
+        "predicted shrink": [percent(row.get("predicted_shrink")) for row in found],
+        "realised shrink": [percent(row.get("realised_shrink")) for row in found],
+        "probability": [probability(row.get("probability")) for row in found],
+        "z": [number(row.get("z"), 2) for row in found],
+        "note": [reading.text(row, "note") or MISSING for row in found],
+    }
+    said = {name: cells for name, cells in columns.items() if any(c != MISSING for c in cells)}
+    right = [i for i, name in enumerate(said) if name not in ("Effect", "place", "note")]
+    return _table(tuple(said), list(zip(*said.values(), strict=True)), *right)
 
 
 def places(diagnosis: Mapping[str, Any]) -> Table | None:

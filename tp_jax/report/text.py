@@ -41,12 +41,13 @@ def _verdict(diagnosis: Mapping[str, Any]) -> list[str]:
 
 def _gap(diagnosis: Mapping[str, Any]) -> list[str]:
     gap, floor = reading.table(diagnosis, "gap"), reading.floor(diagnosis)
+    states = reading.states(diagnosis)
     body = []
     for key, name in (("windowed", "in windows"), ("free_run", "free run")):
-        before, after = reading.value(gap, "before", key), reading.value(gap, "after", key)
-        if before is not None or after is not None:
-            body.append([name, *angles([before, after, floor])])
-    return _table(["held-out error (rms)", "before", "after", "noise floor"], body)
+        sizes = [reading.value(gap, state, key) for state in states]
+        if any(size is not None for size in sizes):
+            body.append([name, *angles([*sizes, floor])])
+    return _table(["held-out error (rms)", *states, "noise floor"], body)
 
 
 def _causes(diagnosis: Mapping[str, Any]) -> list[str]:

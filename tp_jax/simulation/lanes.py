@@ -132,9 +132,13 @@ def integrate(
         y_new, s_new, y_err, s_err = step(t, y, s, used, p, piece, left)
         ratio = jnp.max(jnp.abs(y_err) / weights, axis=0)
         if nd:
-            scale = jnp.max(jnp.abs(s_new), axis=-1, keepdims=True) + 1e-300
-            tangent = jnp.max(jnp.abs(s_err) / scale, axis=(0, 1)) / tolerances.tangent
-            ratio = jnp.maximum(ratio, tangent)
+            # Those of the window's state, against the largest of their kind: they start at one,
+            # so that a relative error means something (a parameter's start at zero), and those
+            # of a stuck rider vanish.
+            for rows in (slice(0, 2), slice(2, 4)):
+                scale = jnp.maximum(jnp.max(jnp.abs(s_new[rows, :nc]), axis=(0, 1)), 0.1)
+                worst = jnp.max(jnp.abs(s_err[rows, :nc]), axis=(0, 1))
+                ratio = jnp.maximum(ratio, worst / (scale * tolerances.tangent))
         for k, c in ((eps[0], 2), (eps[1], 3)):
             old, new = smooth_sign(y[c], p[k]), smooth_sign(y_new[c], p[k])
             slope = (2.0 / jnp.pi) * p[k] / (1.0 + (p[k] * y[c]) ** 2)

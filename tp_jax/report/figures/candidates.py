@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 10
+_LONGEST = 24
 _LEAST = -0.25  # longer bars to the left end here, their numbers stand beside them
 _KEYS = ("predicted_shrink", "realised_shrink")
 
@@ -52,16 +53,21 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
                     percent(x), (max(end, 0.0), y), (4, 0), textcoords="offset points",
                     va="center", fontsize=style.FONT_SIZE - 1.5, color=style.INK,
                 )  # fmt: skip
-    axes.set_yticks(range(len(rows)), [reading.text(row, "effect") for row in rows])
-    for label in axes.get_yticklabels():
-        if label.get_text() in accepted:
+    axes.set_yticks(range(len(rows)), [_short(reading.text(row, "effect")) for row in rows])
+    for label, row in zip(axes.get_yticklabels(), rows, strict=True):
+        if reading.text(row, "effect") in accepted:
             label.set_fontweight("bold")
     axes.invert_yaxis()
     lowest = min(reading.value(row, key) or 0.0 for row in rows for key in _KEYS)
-    axes.set_xlim(max(min(lowest, 0.0), _LEAST), 1.14)
-    axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25 %", "50 %", "75 %", "100 %"])
+    axes.set_xlim(max(min(lowest, 0.0), _LEAST), 1.14 if width >= style.WIDE else 1.35)
+    axes.set_xticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
     if lowest < 0.0:
         axes.axvline(0.0, color=style.INK, lw=0.8)
-    axes.set_xlabel("share of the removable gap that is gone")
+    axes.set_xlabel("removable gap that is gone")
     style.legend(figure, axes, columns=2)
     return figure
+
+
+def _short(name: str) -> str:
+    """A name that leaves room for the bars."""
+    return name if len(name) <= _LONGEST else name[: _LONGEST - 1] + "…"

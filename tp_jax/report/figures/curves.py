@@ -49,6 +49,12 @@ def rms(values: np.ndarray | None) -> float | None:
     return float(np.sqrt(squares.mean())) if squares.size else None
 
 
+def largest(*columns: np.ndarray | None) -> float:
+    """The largest size among what is finite; 0 where there is nothing."""
+    sizes = [np.abs(y[np.isfinite(y)]) for y in columns if y is not None]
+    return max((float(y.max()) for y in sizes if y.size), default=0.0)
+
+
 def error(curve: Curve, of: str) -> np.ndarray | None:
     """Model, `before` or `after`, minus measured."""
     y = getattr(curve, of)

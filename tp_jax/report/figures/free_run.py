@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tp_jax.report import reading, style
-from tp_jax.report.figures.curves import Curve, curves_of, drawable, error, rms
+from tp_jax.report.figures.curves import Curve, curves_of, drawable, error, largest, rms
 from tp_jax.report.formatting import angle, angle_unit
 
 if TYPE_CHECKING:
@@ -91,20 +91,18 @@ def _angles(axes: "Axes", curve: Curve) -> None:
                   solid_capstyle="round")  # fmt: skip
     if curve.before is not None:
         axes.plot(curve.t, curve.before, color=style.BEFORE, lw=1.2, ls=(0, (5, 1.6)),
-                  label="model" if curve.after is None else "model before")  # fmt: skip
+                  label="model" if curve.after is None else "before")  # fmt: skip
     if curve.after is not None:
-        axes.plot(curve.t, curve.after, color=style.AFTER, lw=1.2, label="model after")
+        axes.plot(curve.t, curve.after, color=style.AFTER, lw=1.2, label="after")
     axes.margins(x=0.0)
 
 
 def _errors(axes: "Axes", curve: Curve) -> None:
     style.dress(axes)
     before, after = error(curve, "before"), error(curve, "after")
-    shown = [y for y in (before, after) if y is not None]
-    largest = max((float(np.nanmax(np.abs(y))) for y in shown), default=0.0)
-    unit, factor = angle_unit([largest])
+    unit, factor = angle_unit([largest(before, after)])
     if before is not None:
-        axes.plot(curve.t, before * factor, color=style.BEFORE, lw=1.0, ls=(0, (5, 1.6)))
+        axes.plot(curve.t, before * factor, color=style.BEFORE, lw=1.0)
     if after is not None:
         axes.plot(curve.t, after * factor, color=style.AFTER, lw=1.0)
     axes.set_ylabel(f"error [{unit}]")

@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from tp_jax.report import reading, style
-from tp_jax.report.figures.curves import curves_of, drawable, rms
+from tp_jax.report.figures.curves import curves_of, drawable, largest, rms
 from tp_jax.report.formatting import number
 
 if TYPE_CHECKING:
@@ -35,12 +33,12 @@ def draw(
         style.dress(axes)
         axes.axhspan(-1.96, 1.96, color=style.BAND, alpha=0.25, lw=0.0, label="noise (95 %)")
         if curve.before is not None:
-            axes.plot(curve.t, curve.before, color=style.BEFORE, lw=0.9, label="before")
+            label = "model" if curve.after is None else "before"
+            axes.plot(curve.t, curve.before, color=style.BEFORE, lw=0.9, label=label)
         if curve.after is not None:
             axes.plot(curve.t, curve.after, color=style.AFTER, lw=0.9, label="after")
-        shown = [y for y in (curve.before, curve.after) if y is not None]
-        largest = max((float(np.nanmax(np.abs(y))) for y in shown), default=0.0)
-        axes.set_ylim(-max(1.05 * largest, 3.0), max(1.05 * largest, 3.0))
+        end = max(1.05 * largest(curve.before, curve.after), 3.0)
+        axes.set_ylim(-end, end)
         axes.set_ylabel(f"{reading.CHANNELS[curve.channel]} [noise]")
         axes.margins(x=0.0)
     rows[-1].set_xlabel("time [s]")

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 8
+_LONGEST = 32
 
 
 def shown(diagnosis: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -32,7 +33,7 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     if not places:
         return None
     shares = [reading.value(place, "share") or 0.0 for place in places]
-    figure = style.new_figure(width, 0.8 + 0.36 * len(places))
+    figure = style.new_figure(width, 0.8 + 0.42 * len(places))
     axes = figure.subplots()
     style.dress(axes, grid=None)
     colours = [style.BEFORE] + [style.BAND] * (len(places) - 1)
@@ -45,9 +46,10 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     names = [reading.text(place, "location") for place in places]
     if width >= style.BESIDE:
         names = [words.location(name).removeprefix("the ") for name in names]
+    names = [name if len(name) <= _LONGEST else name[: _LONGEST - 1] + "…" for name in names]
     axes.set_yticks(range(len(places)), names)
     axes.invert_yaxis()
     axes.set_xlim(0.0, 1.18 * max(max(shares), 0.05))
     axes.set_xticks([])
-    axes.set_xlabel("share of the gap")
+    axes.set_xlabel("share of the gap", loc="left")
     return figure

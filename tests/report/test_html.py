@@ -1,0 +1,197 @@
+"""One file, whole, well-formed, that fetches nothing and renders whatever may be missing."""
+
+import os
+import re
+import sys
+from html.parser import HTMLParser
+
+import pytest
+
+from tp_jax.report import style, words
+from tp_jax.report.html import NO_FIGURES, render, write_report
+
+VOID = {"meta", "link", "br", "img", "hr", "input"}
+MOST_BYTES = 3_000_000
+
+
+class Page(HTMLParser):
+    """Sees that every element is closed in its turn, and keeps what is looked at below."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.elements: list[tuple[str, dict]] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.handle_startendtag(tag, attrs)
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        found = dict(attrs)
+        assert len(found) == len(attrs), "an attribute twice"
+        self.elements.append((tag, found))
+        if "id" in found:
+            self.ids.append(found["id"])
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+    def all(self, tag: str) -> list[dict]:
+        return [attrs for name, attrs in self.elements if name == tag]
+
+
+@pytest.fixture(scope="module")
+def text(any_diagnosis) -> str:
+    """The report of each kind of diagnosis in turn, made once."""
+    return render(any_diagnosis)
+
+
+def test_every_kind_renders_well_formed(text):
+    page = Page(text)
+    assert len(text.encode()) < MOST_BYTES
+    assert len(set(page.ids)) == len(page.ids)
+    assert len(page.all("h1")) == 1
+    assert page.all("meta")[1]["name"] == "viewport"
+    for word in ("None", "nan", "NaN", "{{", "Undefined"):
+        assert not re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", page.text)
+
+
+def test_nothing_is_fetched(text):
+    assert "http://" not in text
+    assert "https://" not in text
+    page = Page(text)
+    assert page.all("script") == []
+    for tag, attrs in page.elements:
+        for key in ("src", "href", "xlink:href", "data", "srcset"):
+            target = attrs.get(key)
+            assert target is None or target.startswith(("#", "data:")), (tag, target)
+            if target is not None and target.startswith("#"):
+                assert target[1:] in page.ids
+    for target in re.findall(r"url\(([^)]*)\)", text):
+        assert target.startswith("#")
+        assert target[1:] in page.ids
+    assert "@import" not in text
+
+
+def test_every_figure_has_a_caption_and_words(text):
+    page = Page(text)
+    assert len(page.all("figure")) == len(page.all("figcaption"))
+    assert all(image.get("alt") for image in page.all("img"))
+    drawn = page.all("svg")
+    assert all(svg["role"] == "img" and len(svg["aria-label"]) > 20 for svg in drawn)
+    if style.available():
+        assert len(drawn) == 2 * len(page.all("figure"))  # for wide pages and for phones
+
+
+def test_sections_of_a_full_diagnosis(made):
+    text = render(made("explained"))
+    for title in (
+        "Before and after",
+        "Residuals over time",
+        "Where the gap lies",
+        "Which effect",
+        "What this data cannot tell apart",
+        "Minimum detectable sizes",
+        "Parameters",
+        "Next experiment",
+        "Notes",
+        "Provenance",
+    ):
+        assert (f"<h2>{title}</h2>" in text) == (style.available() or "Residuals" not in title)
+    said = Page(text).text
+    for part in (
+        "contact_stribeck",
+        "98 %",
+        "96 % to 99 %",
+        "52.0 mrad",
+        "0.550 to 0.610",
+        "0.45020",
+        "0.44980 to 0.45060",
+        "not determined by this data",
+        "beyond its range",
+        "a1" * 32,
+        "reaction_factor",
+    ):
+        assert part in said
+
+
+def test_texts_are_escaped(made):
+    text = render(made("explained") | {"campaign": "<b>&", "notes": ["<script>x</script>"]})
+    assert "<b>&" not in text
+    assert "&lt;b&gt;&amp;" in text
+    assert Page(text).all("script") == []
+
+
+def test_captions_are_escaped_in_figures(made):
+    pytest.importorskip("matplotlib")
+    diagnosis = made("explained")
+    diagnosis["curves"][0]["recording"] = 'a"><script>.csv'
+    page = Page(render(diagnosis))
+    assert page.all("script") == []
+    assert any('a"><script>.csv' in svg["aria-label"] for svg in page.all("svg"))
+
+
+def test_without_matplotlib_it_says_so(made, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    page = Page(render(made("explained")))
+    assert NO_FIGURES in page.text
+    assert page.all("figure") == []
+    assert "contact_stribeck" in page.text
+
+
+def test_same_diagnosis_same_bytes(made):
+    assert render(made("explained")) == render(made("explained"))
+
+
+def test_many_and_long_recordings_stay_light(made):
+    diagnosis = made("explained")
+    for key in ("curves", "residuals"):
+        entry = diagnosis[key][0]
+        long = {"recording": "long.csv", "t": list(range(12_000))}
+        for channel in ("phi1", "phi2"):
+            long[channel] = {k: 20 * y for k, y in entry[channel].items()}
+        diagnosis[key] = [long] * 12
+    text = render(diagnosis)
+    assert len(text.encode()) < MOST_BYTES
+
+
+def test_written_whole_or_not_at_all(made, tmp_path, monkeypatch):
+    path = tmp_path / "report.html"
+    write_report(made("bare"), path)
+    old = path.read_text(encoding="utf-8")
+    assert old.startswith("<!DOCTYPE html>")
+
+    def refused(*_):
+        raise OSError("no")
+
+    monkeypatch.setattr(os, "replace", refused)
+    with pytest.raises(OSError, match="no"):
+        write_report(made("unknown"), path)
+    assert path.read_text(encoding="utf-8") == old
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_devices_stay_devices(made):
+    write_report(made("bare"), os.devnull)
+    assert not os.path.isfile(os.devnull)
+
+
+def test_every_effect_has_words():
+    from tp_jax.effects import catalogue
+
+    assert set(catalogue()) <= set(words.EFFECTS)

@@ -1,0 +1,86 @@
+"""The verdict as text: short, plain, with the cause and the numbers."""
+
+import pytest
+
+from tp_jax.report import summary
+from tp_jax.report.verdict import sentences
+
+
+def test_short_and_plain(diagnosis):
+    lines = summary(diagnosis).splitlines()
+    assert 1 <= len(lines) <= 25
+    assert max(map(len, lines)) <= 125
+    text = "\n".join(lines)
+    for word in ("None", "nan", "\x1b"):
+        assert word not in text
+
+
+def test_says_the_cause_and_the_numbers(made):
+    text = summary(made("explained"))
+    for part in (
+        "case-03", "contact_stribeck", "97 %", "98 % of the removable gap is gone",
+        "96 % to 99 %", "52.0 mrad", "1.40 mrad", "1.00 mrad", "0.580", "0.550 to 0.610",
+        "predicted shrink", "contact_asymmetry", "−40 %",
+        "Not told apart: contact_stribeck, contact_presliding", "8 rad/s", "6.1 standard",
+    ):  # fmt: skip
+        assert part in " ".join(text.split()) or part in text
+
+
+def test_no_gap_is_said_without_overclaiming(made):
+    text = summary(made("no_gap"))
+    assert "No gap was found" in text
+    assert "p = 0.41" in text
+    assert "may be there all the same" in text
+    assert "is gone" not in text
+
+
+def test_unknown_is_said_honestly(made):
+    said = sentences(made("unknown"))
+    assert said.heading == "There is a gap that is not explained"
+    assert "contact between column and rider: 71 %" in said.where
+    assert "outside the catalogue" in said.what
+    assert said.how_far == "Nothing was added to the model, so the gap stays as it is."
+
+
+def test_partly_explained_is_not_called_explained(made):
+    said = sentences(made("partly"))
+    assert said.heading == "The gap is explained only in part"
+    assert "contact_stribeck" in said.what
+    assert "spring_asymmetry" in said.what
+    assert said.how_far.startswith("With them in the model, 49 %")
+
+
+def test_a_gap_that_grew_is_said_to(made):
+    diagnosis = made("partly")
+    diagnosis["gap"] |= {"shrink": -0.2, "shrink_ci95": None}
+    assert "grew by 20 % of what could be removed." in sentences(diagnosis).how_far
+
+
+def test_a_gap_too_small_to_measure(made):
+    diagnosis = made("partly")
+    diagnosis["gap"] |= {"shrink": None, "removable_significant": False}
+    assert "too close to the noise" in sentences(diagnosis).how_far
+
+
+@pytest.mark.parametrize("separates", [["a"], ["a", "b"], ["a", "b", "c"], [], None])
+@pytest.mark.parametrize("forced", [True, False])
+def test_next_experiments(made, separates, forced):
+    diagnosis = made("explained")
+    diagnosis["next_experiment"] |= {"forced": forced, "separates": separates}
+    last = summary(diagnosis).split("Next: ")[1]
+    assert last.startswith("Drive the column" if forced else "Record a free decay")
+    assert last.endswith(".")
+    assert ",." not in last
+
+
+def test_many_causes_and_long_sentences_fit(made):
+    diagnosis = made("partly")
+    diagnosis["causes"] = [
+        cause | {"effect": f"{cause['effect']}_{i}" * 3}
+        for i in range(5)
+        for cause in diagnosis["causes"]
+    ]
+    diagnosis["confused_with"] = [["one", "two"]] * 9
+    text = summary(diagnosis)
+    assert len(text.splitlines()) <= 25
+    assert "Next: " in text

@@ -1,0 +1,98 @@
+"""Small problems of estimation whose answers are known: the bench, integrated by the reference."""
+
+import functools
+from pathlib import Path
+
+import numpy as np
+
+from tests.reference import BENCH, reference
+from tp_jax.effects import catalogue
+from tp_jax.estimation.layout import Layout, Values
+from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.windows import Prepared, Windows, cut
+from tp_jax.recordings import Campaign, Recording
+
+RATE = 250.0
+DURATION = 2.0
+OMEGAS = (13.09, 8.0)
+CAPACITY = 64  # samples in a lane: one window of 0.25 s, two of 0.1 s
+
+
+def numbers(recording: int) -> dict[str, float]:
+    """What the reference needs for one of the recordings."""
+    return BENCH | dict(omega=OMEGAS[recording], middle=0.5 * DURATION, drift=1.0 / DURATION)
+
+
+@functools.cache
+def truth(recording: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) and motion (n, 4) of a recording, from rest."""
+    ts = np.arange(round(DURATION * RATE) + 1) / RATE
+    return ts, reference(numbers(recording), ts, rtol=1e-12, atol=1e-13)
+
+
+def prepared(recording: int) -> Prepared:
+    """A recording without noise whose smoothed readings are its true states."""
+    ts, y = truth(recording)
+    both = np.array([True, True])
+    return Prepared(ts, y[:, :2], both, y, np.ones_like(y), None)
+
+
+def choose(windows: Windows, which) -> Windows:
+    """Some of the windows, in the order given."""
+    w = np.asarray(which)
+    return Windows(windows.recording[w], windows.first[w], windows.count[w], windows.horizon)
+
+
+@functools.cache
+def whole_layout() -> Layout:
+    """All effects without states of their own: one program for all tests that use it."""
+    return Layout("double", tuple(e for e in catalogue().values() if e.n_states == 0))
+
+
+def bench_problem(horizon: float, which=None) -> Problem:
+    """Both recordings in windows (some of them), residuals in rad."""
+    recordings = tuple(prepared(r) for r in range(len(OMEGAS)))
+    windows = cut(recordings, horizon)
+    if which is not None:
+        windows = choose(windows, which)
+    return Problem(
+        layout=whole_layout(), prepared=recordings, windows=windows, sigma=np.ones(2),
+        capacity=CAPACITY, B1=BENCH["B1"],
+    )  # fmt: skip
+
+
+def bench_values() -> Values:
+    """The true numbers of both recordings."""
+    same = {n: v for n, v in BENCH.items() if n not in ("eps", "omega")}
+    n = len(OMEGAS)
+    return Values.build(
+        whole_layout(), n,
+        same | dict(
+            eps1=BENCH["eps"], eps2=BENCH["eps"], omega=OMEGAS, running=1.0,
+            drift_middle=0.5 * DURATION, drift_rate=1.0 / DURATION,
+        ),
+    )  # fmt: skip
+
+
+def synthetic_campaign(noise: float = 1e-3, duration: float = 3.0, seed: int = 0) -> Campaign:
+    """A decay and two forced recordings of the bench, with white noise."""
+    rng = np.random.default_rng(seed)
+    ts = np.arange(round(duration * RATE) + 1) / RATE
+    recordings = []
+    for omega in (None, 13.09, 17.0):
+        driven = omega is not None
+        p = BENCH | (dict(omega=omega) if driven else dict(A=0.0))
+        y0 = np.zeros(4) if driven else np.array([1.2, 0.0, 0.0, 0.0])
+        y = reference(p, ts, y0)[:, :2] + noise * rng.standard_normal((ts.size, 2))
+        name = f"run-{omega:.0f}.csv" if driven else "decay.csv"
+        recordings.append(
+            Recording(
+                name=name, label=name, file=Path(name), t=ts, phi1=y[:, 0], phi2=y[:, 1], drive=None,
+                forced=driven, omega=omega, span=None, start=None, repeat=None, held_out=False,
+                sha256="",
+            )
+        )  # fmt: skip
+    return Campaign(
+        name="synthetic", model="double", B1=BENCH["B1"], B2=None, k=None, sample_rate=RATE,
+        recordings=tuple(recordings), folder=Path(),
+    )  # fmt: skip

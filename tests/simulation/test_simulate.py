@@ -1,0 +1,144 @@
+"""One run against an independent integration, a closed form, and its own derivatives."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from tests.reference import BENCH, PAPER, reference
+from tp_jax.model import Bearing, LinearSpring, SineDrive, SingleTorsionPendulum, presets
+from tp_jax.simulation import simulate
+
+TEN = np.linspace(0.0, 10.0, 2501)
+
+
+@pytest.mark.parametrize(
+    ("name", "p", "ts", "within"),
+    [("paper-5.1", PAPER, TEN, 1e-6), ("bench", BENCH, TEN[:501], 1e-5)],
+)
+def test_agrees_with_an_independent_integration(name, p, ts, within):
+    run = simulate(presets.get(name), ts)
+    expected = reference(p, ts)
+    np.testing.assert_array_equal(run.t, ts)
+    np.testing.assert_allclose(np.stack(run[1:3], axis=1), expected[:, :2], rtol=0.0, atol=within)
+    np.testing.assert_allclose(np.stack(run[3:], axis=1), expected[:, 2:], rtol=0, atol=50 * within)
+    if name == "bench":  # it stuck and slid, and both bodies turned round
+        v1, v2 = expected[:, 2:].T
+        assert (v1[1:] * v1[:-1] < 0.0).sum() > 4
+        assert (np.abs(v2) < 1e-3).sum() > 20
+        assert np.abs(v2).max() > 2.0
+
+
+# Derivatives: a stretch in which the column turns round once and the rider slides, turns round
+# twice and sticks.
+TS = np.linspace(0.0, 0.2, 11)
+NAMES = ("k", "M1", "Ts1", "B2", "c1", "T0", "A")
+NOW = np.array([BENCH[n] for n in NAMES])
+Y0 = np.array([0.1, 0.0, 8.0, -12.0])
+
+
+@jax.jit
+def angles(x, y0):
+    """(2, n) from parameters and initial state."""
+    values = BENCH | {n: x[i] for i, n in enumerate(NAMES)}
+    return jnp.stack(simulate(presets.double_pendulum(**values), TS, y0)[1:3])
+
+
+def expected_angles(x, y0):
+    values = BENCH | dict(zip(NAMES, x, strict=True))
+    return reference(values, TS, y0, rtol=1e-12, atol=1e-13)[:, :2].T
+
+
+@pytest.fixture(scope="module")
+def jacobian():
+    """Derivatives (2, n, parameters) and (2, n, 4), by forward differentiation (jvp, mapped)."""
+    return jax.jit(jax.jacfwd(angles, (0, 1)))(NOW, Y0)
+
+
+def central_differences(f, x, h):
+    return np.stack([(f(x + e) - f(x - e)) / (2.0 * e.sum()) for e in np.diag(h)], axis=-1)
+
+
+def test_derivatives_are_those_of_the_motion(jacobian):
+    by_parameter = central_differences(lambda x: expected_angles(x, Y0), NOW, 1e-6 * NOW)
+    by_state = central_differences(lambda y0: expected_angles(NOW, y0), Y0, np.full(4, 1e-7))
+    for found, expected in zip(jacobian, (by_parameter, by_state), strict=True):
+        size = np.abs(expected).max(axis=(0, 1))
+        np.testing.assert_allclose(found / size, expected / size, rtol=0.0, atol=1e-3)
+
+
+def test_backward_mode_agrees_with_forward_mode(jacobian):
+    weight = np.random.default_rng(0).normal(size=(2, TS.size))
+    gradient = jax.jit(jax.grad(lambda x: jnp.sum(weight * angles(x, Y0))))(NOW)
+    np.testing.assert_allclose(gradient, np.einsum("cn,cnp->p", weight, jacobian[0]), rtol=1e-9)
+
+
+def test_a_batch_is_its_members():
+    batch = NOW * np.linspace(0.9, 1.1, 3)[:, None]
+    together = jax.vmap(angles, (0, None))(batch, Y0)
+    for one, x in zip(together, batch, strict=True):
+        np.testing.assert_allclose(one, angles(x, Y0), rtol=0.0, atol=1e-10)
+    plain = simulate(presets.get("bench"), TS, Y0)  # compiled by nobody but itself
+    np.testing.assert_allclose(np.stack(plain[1:3]), angles(NOW, Y0), rtol=0.0, atol=1e-12)
+
+
+# The column alone without dry friction is a damped, driven oscillator.
+OSCILLATOR = np.array([1.2e-3, 0.45, 2.2e-3, 0.18, 0.3, 2.0])  # B1, k, c1, A, phi1, v1
+
+
+def oscillator(x, ts, omega=7.0):
+    """Closed form of the angle, for complex numbers too."""
+    B1, k, c1, A, phi, v = x
+    size = (k - B1 * omega**2) ** 2 + (c1 * omega) ** 2
+    s, c = k * A * (k - B1 * omega**2) / size, -k * A * c1 * omega / size
+    decay = c1 / (2.0 * B1)
+    ring = np.sqrt(k / B1 - decay**2)
+    C = phi - c
+    S = (v - s * omega + decay * C) / ring
+    own = np.exp(-decay * ts) * (C * np.cos(ring * ts) + S * np.sin(ring * ts))
+    return s * np.sin(omega * ts) + c * np.cos(omega * ts) + own
+
+
+def single(x, ts, omega=7.0):
+    B1, k, c1, A, phi, v = x
+    model = SingleTorsionPendulum(
+        drive=SineDrive(A=A, omega=omega), spring=LinearSpring(k), bearing=Bearing(c1, 0.0, 1e3),
+        B1=B1,
+    )  # fmt: skip
+    return simulate(model, ts, jnp.stack([phi, 0.0, v, 0.0]), rtol=1e-9, atol=1e-11)
+
+
+def test_single_pendulum_is_a_damped_oscillator():
+    ts = np.linspace(0.0, 1.0, 11)
+    run = single(OSCILLATOR, ts)
+    np.testing.assert_allclose(run.phi1, oscillator(OSCILLATOR, ts), rtol=0.0, atol=1e-7)
+    np.testing.assert_array_equal(run.phi2, 0.0)
+    np.testing.assert_array_equal(run.omega2, 0.0)
+    steps = 1e-30j * np.eye(OSCILLATOR.size)  # the complex step: derivatives to all digits
+    expected = np.stack([oscillator(OSCILLATOR + e, ts).imag / 1e-30 for e in steps], axis=-1)
+    found = jax.jit(jax.jacfwd(lambda x: single(x, ts).phi1))(OSCILLATOR)
+    size = np.abs(expected).max(axis=0)
+    np.testing.assert_allclose(found / size, expected / size, rtol=0.0, atol=1e-6)
+
+
+def test_single_pendulum_with_dry_friction():
+    # what is left of the double one with a rider without inertia to speak of
+    model = SingleTorsionPendulum(
+        drive=SineDrive(A=0.18, omega=13.09), spring=LinearSpring(0.45),
+        bearing=Bearing(2.2e-3, 5e-3, 5e4), B1=1.2e-3,
+    )  # fmt: skip
+    ts = np.linspace(0.0, 1.0, 251)
+    expected = reference(BENCH | dict(B2=1e-12, Tv=0.0, Ts1=0.0, Tst=0.0), ts)
+    np.testing.assert_allclose(simulate(model, ts).phi1, expected[:, 0], rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("ts", [[0.0], 1.0, [[0.0, 1.0], [2.0, 3.0]]])
+def test_times_must_be_a_row(ts):
+    with pytest.raises(ValueError, match="Argument `ts` must"):
+        simulate(presets.get("bench"), ts)
+
+
+@pytest.mark.parametrize("y0", [0.0, [0.0, 0.0], np.zeros((4, 1)), np.zeros(5)])
+def test_a_start_must_fit_the_model(y0):
+    with pytest.raises(ValueError, match="Argument `y0` must have shape"):
+        simulate(presets.get("bench"), TS, y0)
