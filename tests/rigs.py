@@ -87,9 +87,9 @@ def synthetic_campaign(noise: float = 1e-3, duration: float = 3.0, seed: int = 0
         name = f"run-{omega:.0f}.csv" if driven else "decay.csv"
         recordings.append(
             Recording(
-                name=name, label=name, file=Path(name), t=ts, phi1=y[:, 0], phi2=y[:, 1], drive=None,
-                forced=driven, omega=omega, span=None, start=None, repeat=None, held_out=False,
-                sha256="",
+                name=name, label=name, file=Path(name), t=ts, phi1=y[:, 0], phi2=y[:, 1],
+                drive=None, forced=driven, omega=omega, span=None, start=None, repeat=None,
+                held_out=False, sha256="",
             )
         )  # fmt: skip
     return Campaign(

@@ -60,7 +60,7 @@ def test_the_motion_is_the_references(problem, linearised):
 
 def readings(p, ts, y0):
     y = reference(p, ts, y0, rtol=1e-12, atol=1e-13)[:, :2]
-    return y + [p.get("zero1", 0.0), p.get("zero2", 0.0)]
+    return y + np.array([p.get("zero1", 0.0), p.get("zero2", 0.0)])
 
 
 def test_parameter_tangents(problem, linearised):

@@ -59,5 +59,7 @@ def run(args: argparse.Namespace) -> None:
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:
-        print(diagnosis.summary())
+        from tp_jax.report.text import summary
+
+        print(summary(result))
         print(f"\nReport: {report}")

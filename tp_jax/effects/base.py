@@ -87,6 +87,8 @@ class Effect:
         amplitudes, shapes: see `Amplitude` and `Shape`.
         needs: conditions a campaign must meet: "rider" (two angles), "sine" (a commanded drive),
             "several" (more than one recording), "inertias" (B1 and B2 given).
+        uses_phi1: the increment depends on phi1 itself, so that its zero matters beyond the rest
+            position; a nuisance where the drive is measured (with a sine it is one anyway).
         uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
         relative: the amplitudes of the recordings matter only relative to each other (their common
             part is a parameter's), so that the last recording's is held at zero.
@@ -100,6 +102,7 @@ class Effect:
     amplitudes: ClassVar[tuple[Amplitude, ...]] = ()
     shapes: ClassVar[tuple[Shape, ...]] = ()
     needs: ClassVar[frozenset[str]] = frozenset()
+    uses_phi1: ClassVar[bool] = False
     uses_phi2: ClassVar[bool] = False
     relative: ClassVar[bool] = False
     n_states: ClassVar[int] = 0
@@ -124,6 +127,10 @@ class Effect:
     def channel(self) -> str:
         """column, contact, sensor1, sensor2 or clock."""
         return CHANNELS[self.location]
+
+    def resolved(self, omega: float, step: float) -> bool:  # noqa: ARG002
+        """Whether samples `step` [s] apart can show the effect at a drive frequency [rad/s]."""
+        return True
 
     @property
     def about_rider(self) -> bool:

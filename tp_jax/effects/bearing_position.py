@@ -11,7 +11,10 @@ class BearingPosition(Effect):
     id = "bearing_position"
     location = "bearing"
     hook = "bearing"
-    amplitudes = (Amplitude("a", "1", typical=0.2, lower=-1.0, upper=1.0), Amplitude("b", "1", typical=0.2, lower=-1.0, upper=1.0),)
+    amplitudes = (
+        Amplitude("a", "1", typical=0.2, lower=-1.0, upper=1.0),
+        Amplitude("b", "1", typical=0.2, lower=-1.0, upper=1.0),
+    )
     shapes = (Shape("n", "1", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),)
     formula = "M1 S (1 + a cos n phi1 + b sin n phi1)"
     source = "Section 6 of the paper"

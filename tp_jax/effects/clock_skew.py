@@ -15,6 +15,6 @@ class ClockSkew(Effect):
     source = "crystal oscillators, RC oscillators of small controllers"
     looks_like = "an error that grows with time in forced runs"
 
-    def increment(self, m, a):  # type: ignore[override]
+    def increment(self, m, a):  # type: ignore[override]  # noqa: ARG002
         """See the class."""
         return 1.0 / (1.0 + a) - 1.0

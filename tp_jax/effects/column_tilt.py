@@ -11,7 +11,10 @@ class ColumnTilt(Effect):
     id = "column_tilt"
     location = "column"
     hook = "column"
-    amplitudes = (Amplitude("a", "N m", typical=0.002), Amplitude("b", "N m", typical=0.002),)
+    amplitudes = (
+        Amplitude("a", "N m", typical=0.002),
+        Amplitude("b", "N m", typical=0.002),
+    )
     formula = "-(a sin phi1 + b cos phi1)"
     source = "Section 6 of the paper"
     looks_like = "a shifted rest position and a changed stiffness"

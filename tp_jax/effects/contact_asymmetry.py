@@ -1,5 +1,7 @@
 """The contact's dry friction differs between the two senses of sliding."""
 
+import jax.numpy as jnp
+
 from tp_jax.effects.base import Amplitude, Effect
 
 
@@ -17,4 +19,4 @@ class ContactAsymmetry(Effect):
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""
-        return m.contact_dry * a * m.sign2
+        return a * jnp.abs(m.contact_dry)

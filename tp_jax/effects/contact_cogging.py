@@ -11,7 +11,10 @@ class ContactCogging(Effect):
     id = "contact_cogging"
     location = "contact"
     hook = "contact"
-    amplitudes = (Amplitude("a", "N m", typical=0.001), Amplitude("b", "N m", typical=0.001),)
+    amplitudes = (
+        Amplitude("a", "N m", typical=0.001),
+        Amplitude("b", "N m", typical=0.001),
+    )
     shapes = (Shape("n", "1", (1.0, 2.0, 3.0, 4.0)),)
     needs = frozenset({"rider"})
     uses_phi2 = True

@@ -11,7 +11,10 @@ class ContactPosition(Effect):
     id = "contact_position"
     location = "contact"
     hook = "contact"
-    amplitudes = (Amplitude("a", "1", typical=0.2, lower=-1.0, upper=1.0), Amplitude("b", "1", typical=0.2, lower=-1.0, upper=1.0),)
+    amplitudes = (
+        Amplitude("a", "1", typical=0.2, lower=-1.0, upper=1.0),
+        Amplitude("b", "1", typical=0.2, lower=-1.0, upper=1.0),
+    )
     shapes = (Shape("n", "1", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),)
     needs = frozenset({"rider"})
     uses_phi2 = True

@@ -11,7 +11,10 @@ class ContactVibration(Effect):
     id = "contact_vibration"
     location = "contact"
     hook = "contact"
-    amplitudes = (Amplitude("a", "1", typical=0.2, lower=-1.0, upper=1.0, per_recording=True), Amplitude("b", "1", typical=0.2, lower=-1.0, upper=1.0, per_recording=True),)
+    amplitudes = (
+        Amplitude("a", "1", typical=0.2, lower=-1.0, upper=1.0, per_recording=True),
+        Amplitude("b", "1", typical=0.2, lower=-1.0, upper=1.0, per_recording=True),
+    )
     shapes = (Shape("W", "Hz", (3.0, 5.0, 8.0, 12.0, 18.0, 27.0, 40.0, 60.0), continuous=True),)
     needs = frozenset({"rider"})
     formula = "(Ts1 S + Tst term)(1 + a_r cos W t + b_r sin W t)"
@@ -20,4 +23,6 @@ class ContactVibration(Effect):
 
     def increment(self, m, a, b, W):  # type: ignore[override]
         """See the class."""
-        return m.contact_dry * (a * jnp.cos(2.0 * jnp.pi * W * m.t) + b * jnp.sin(2.0 * jnp.pi * W * m.t))
+        return m.contact_dry * (
+            a * jnp.cos(2.0 * jnp.pi * W * m.t) + b * jnp.sin(2.0 * jnp.pi * W * m.t)
+        )

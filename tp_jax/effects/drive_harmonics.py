@@ -11,7 +11,10 @@ class DriveHarmonics(Effect):
     id = "drive_harmonics"
     location = "drive"
     hook = "drive"
-    amplitudes = (Amplitude("a", "1", typical=0.05), Amplitude("b", "1", typical=0.05),)
+    amplitudes = (
+        Amplitude("a", "1", typical=0.05),
+        Amplitude("b", "1", typical=0.05),
+    )
     needs = frozenset({"sine"})
     formula = "f = A (sin theta + a sin 2 theta + b (cos 2 theta - 1))"
     source = "Section 6 of the paper"

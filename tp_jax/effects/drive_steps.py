@@ -23,3 +23,7 @@ class DriveSteps(Effect):
     def increment(self, m, a, q):  # type: ignore[override]
         """See the class."""
         return a * (q * jnp.round(m.theta / q) - m.theta)
+
+    def resolved(self, omega, step):
+        """Two samples a step at least: what is faster is averaged by the pendulum, and aliased."""
+        return omega * step <= 0.5 * max(self.shapes[0].grid)

@@ -42,6 +42,8 @@ def _checked(effect: Effect) -> Effect:
         raise ValueError(f"Effect {effect.id} must have a location of {sorted(CHANNELS)}.")
     if effect.hook not in HOOKS:
         raise ValueError(f"Effect {effect.id} must have a hook of {HOOKS}.")
+    if type(effect).increment is Effect.increment:
+        raise ValueError(f"Effect {effect.id} must define increment(self, m, ...).")
     if not effect.amplitudes:
         raise ValueError(f"Effect {effect.id} must have at least one amplitude.")
     return effect
@@ -51,9 +53,12 @@ def register(effect: type[Effect] | Effect) -> type[Effect] | Effect:
     """Adds an effect of one's own to the catalogue; usable as a class decorator.
 
     Raises:
-        ValueError: if the class lacks an id, location, hook or amplitude.
+        ValueError: if the class lacks an id, location, hook, amplitude or increment, or if its id
+            is taken.
     """
     instance = effect() if isinstance(effect, type) else effect
+    if instance.id in _built_in():
+        raise ValueError(f"Effect {instance.id!r} is in the catalogue already; choose another id.")
     _registered[instance.id] = _checked(instance)
     return effect
 

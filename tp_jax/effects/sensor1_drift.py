@@ -9,7 +9,10 @@ class Sensor1Drift(Effect):
     id = "sensor1_drift"
     location = "sensor1"
     hook = "sensor1"
-    amplitudes = (Amplitude("a", "1", typical=0.05), Amplitude("b", "rad", typical=0.02),)
+    amplitudes = (
+        Amplitude("a", "1", typical=0.05),
+        Amplitude("b", "rad", typical=0.02),
+    )
     formula = "y1 = phi1 (1 + a s) + b s"
     source = "temperature of the bridge amplifiers"
     looks_like = "readings that grow or wander with time, without a force"

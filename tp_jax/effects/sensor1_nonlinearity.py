@@ -12,6 +12,7 @@ class Sensor1Nonlinearity(Effect):
     location = "sensor1"
     hook = "sensor1"
     amplitudes = (Amplitude("a", "1", typical=0.3),)
+    uses_phi1 = True
     formula = "y1 = phi1 + a (sin(2 phi1) / 2 - phi1)"
     source = "Section 6 of the paper; HMC1512: bridge voltage goes with sin(2 theta)"
     looks_like = "large angles read too small"

@@ -9,7 +9,10 @@ class Sensor2Drift(Effect):
     id = "sensor2_drift"
     location = "sensor2"
     hook = "sensor2"
-    amplitudes = (Amplitude("a", "1", typical=0.05), Amplitude("b", "rad", typical=0.02),)
+    amplitudes = (
+        Amplitude("a", "1", typical=0.05),
+        Amplitude("b", "rad", typical=0.02),
+    )
     needs = frozenset({"rider"})
     uses_phi2 = True
     formula = "y2 = phi2 (1 + a s) + b s"

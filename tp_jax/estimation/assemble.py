@@ -98,9 +98,7 @@ def pendulum(
     if record["kind"] == "single":
         return SingleTorsionPendulum(**shared)
     contact = Contact(p["Tv"], p["Ts1"], p["Tst"], p["T0"], eps, p["Ts2"])
-    return DoubleTorsionPendulum(
-        **shared, contact=contact, B2=p["B2"], reaction=record["reaction"]
-    )
+    return DoubleTorsionPendulum(**shared, contact=contact, B2=p["B2"], reaction=record["reaction"])
 
 
 def drive_for(
@@ -114,7 +112,7 @@ def drive_for(
     n = record["nuisances"]
     if reading is not None:
         c = CubicSpline(t, reading).c
-        return PiecewiseCubicDrive(n["gain"], n["level"], t, c)
+        return PiecewiseCubicDrive(n["gain"], n["level"] - n["zero1"], t, c)
     if omega is None:
         return SineDrive(0.0, 0.0)
     return SineDrive(record["parameters"]["A"], omega, n["phase"])

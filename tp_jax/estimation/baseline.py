@@ -94,9 +94,9 @@ class Setting:
         which = self.fitted if which is None else which
         windows = cut([self.prepared[i] for i in which], horizon)
         windows = dataclasses.replace(windows, recording=np.array(which)[windows.recording])
-        return Problem(
-            self.layout, self.prepared, windows, self.sigma, self.capacity, self.fixed["B1"]
-        )
+        # Windows longer than planned for take a larger block, and with it another compilation.
+        capacity = max(self.capacity, sample_capacity(windows.count.tolist()))
+        return Problem(self.layout, self.prepared, windows, self.sigma, capacity, self.fixed["B1"])
 
     def unknowns(self) -> tuple[Unknown, ...]:
         """The baseline's unknowns and the nuisances that go with it."""
@@ -238,13 +238,16 @@ def grow(
 ) -> Fit:
     """Fits on growing windows, with the friction's smoothing raised on the way."""
     horizons = setting.horizons if horizons is None else horizons
-    ladder = np.minimum(np.geomspace(PAPER_EPS, setting.eps, max(len(horizons) - 1, 1)), setting.eps)
+    ladder = np.minimum(
+        np.geomspace(PAPER_EPS, setting.eps, max(len(horizons) - 1, 1)), setting.eps
+    )
     result: Fit | None = None
     for i, horizon in enumerate(horizons):
         if progress is not None:
             progress(f"fitting windows of {horizon:.2g} s", i / len(horizons))
         problem = setting.problem(horizon, which)
-        eps = setting.eps if i >= len(ladder) else float(ladder[i])
+        last = i + 1 == len(horizons)
+        eps = setting.eps if last else float(ladder[i])
         values = values.replace({"eps1": eps, "eps2": eps})
         states = None if result is None else handed_on(result, problem)
         result = fit(
@@ -261,7 +264,7 @@ def grow(
 
 def handed_on(before: Fit, problem: Problem) -> np.ndarray:
     """Window states for a new cut, read off the trajectories of the last one."""
-    states = problem.initial_states()
+    states = problem.initial_states(before.values)
     old, new = before.problem.windows, problem.windows
     for i in range(new.n):
         same = np.flatnonzero(

@@ -91,7 +91,9 @@ class Layout:
         zero = 0.0 * v["B1"]
         drive = LanewiseDrive(
             A=v["A"] * v["running"], omega=v["omega"], offset=v["phase"],
-            gain=v["gain"] * v["metered"], level=v["level"] * v["metered"],
+            gain=v["gain"] * v["metered"],
+            # The rest position is what is read, whatever the zero: the two hardly correlate then.
+            level=(v["level"] - v["zero1"]) * v["metered"],
             piece=[zero] * 4 if piece is None else piece,
             left=zero if left is None else left,
         )  # fmt: skip
@@ -111,9 +113,7 @@ class Layout:
         if self.kind == "single":
             return SingleTorsionPendulum(**shared)
         contact = Contact(v["Tv"], v["Ts1"], v["Tst"], v["T0"], v["eps2"])
-        return DoubleTorsionPendulum(
-            **shared, contact=contact, B2=v["B2"], reaction=v["reaction"]
-        )
+        return DoubleTorsionPendulum(**shared, contact=contact, B2=v["B2"], reaction=v["reaction"])
 
 
 @dataclasses.dataclass(frozen=True)

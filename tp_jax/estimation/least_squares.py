@@ -105,9 +105,9 @@ def fit(
     slots = columns(unknowns)
     x = values.pick(unknowns)
     x = np.clip(x, limits[:, 0], limits[:, 1])
-    states = problem.initial_states() if states is None else states
     damping, tried = 1e-3, 0
     values = values.put(unknowns, x)
+    states = problem.initial_states(values) if states is None else states
     lin = problem.linearise(values, states, slots)
     cost = lin.cost() + _anchor_cost(values, anchors, problem)
     converged, message = False, "The iteration limit was reached."
@@ -116,7 +116,7 @@ def fit(
     for tried in range(1, max_iterations + 1):
         if not np.isfinite(cost):
             break
-        step = _step(lin, unknowns, specs, x, limits, anchors, values, damping)
+        step = _step(lin, unknowns, specs, x, limits, anchors, damping)
         enough = max(tolerance, relative * cost)
         if step.promise < enough:
             converged, message = True, "The next step would gain nothing."
@@ -166,7 +166,7 @@ def _anchor_cost(values: Values, anchors: Sequence[Anchor], problem: Problem) ->
     return sum(_anchor_residual(a, values, problem) ** 2 for a in anchors)
 
 
-def _step(lin, unknowns, specs, x, limits, anchors, values, damping) -> _Step:
+def _step(lin, unknowns, specs, x, limits, anchors, damping) -> _Step:
     """Damped Gauss-Newton step; unknowns at a bound that push outward stay (active set)."""
     slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
     jac = spread(lin, unknowns) * slope
@@ -198,8 +198,9 @@ def _step(lin, unknowns, specs, x, limits, anchors, values, damping) -> _Step:
         du = np.clip(du, lo - u, hi - u)
         free &= ~out
     du = np.clip(du, lo - u, hi - u)
-    states = elim.state_step + np.einsum("wxu,u->wx", elim.state_gain, du)
-    states = np.clip(states, -MAX_STATE_STEP, MAX_STATE_STEP)
+    # The states' own step is limited, not how they follow the unknowns: a zero moves them all.
+    states = np.clip(elim.state_step, -MAX_STATE_STEP, MAX_STATE_STEP)
+    states = states + np.einsum("wxu,u->wx", elim.state_gain, du)
     promise = -float(2.0 * g @ du + du @ H @ du)
     promise += float(((lin.r**2).sum(axis=1) - elim.cost).sum())
     new = np.array([float(s.from_coordinate(v)) for s, v in zip(specs, u + du, strict=True)])

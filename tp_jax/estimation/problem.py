@@ -80,11 +80,15 @@ class Problem:
         """Whether a drive was measured: the blocks then carry its pieces."""
         return any(p.pieces is not None for p in self.prepared)
 
-    def initial_states(self) -> np.ndarray:
-        """Smoothed readings at the windows' starts (w, 4)."""
+    def initial_states(self, values: Values | None = None) -> np.ndarray:
+        """Smoothed readings at the windows' starts, less the zeros of the angles (w, 4)."""
         w = self.windows
         rows = zip(w.recording, w.first, strict=True)
-        return np.array([self.prepared[r].smooth[f] for r, f in rows])
+        states = np.array([self.prepared[r].smooth[f] for r, f in rows])
+        if values is not None:
+            for c, name in enumerate(("zero1", "zero2")):
+                states[:, c] -= values.table[self.layout.index[name], w.recording]
+        return states
 
     def degrees_of_freedom(self, unknowns: int) -> int:
         """Samples less estimated window states and unknowns."""
@@ -149,9 +153,7 @@ class Problem:
             object.__setattr__(self, "_cached_blocks", cached)
         return cached
 
-    def linearise(
-        self, values: Values, states: np.ndarray, slots: Sequence[str]
-    ) -> Linearisation:
+    def linearise(self, values: Values, states: np.ndarray, slots: Sequence[str]) -> Linearisation:
         """Residuals and derivatives of all windows.
 
         Args:

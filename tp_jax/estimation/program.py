@@ -16,9 +16,9 @@ TRACES: list[tuple] = []  # one entry per trace; tests count them
 class Block(NamedTuple):
     """Data of a block of windows (lanes last; a lane holds several windows, see `Lanes`).
 
-    ts: (n, L) s; count: (L,); start: (n, L); data: (n, 2, L) rad; weight: (n, 2, L), 1/sigma, 0 where there is
-    no sample; prior: (n, 4, L) smoothed readings and their rates; prior_weight: (n, 4, L), 0 but at
-    starts; pieces: (n - 1, 4, L) or None.
+    ts: (n, L) s; count: (L,); start: (n, L); data: (n, 2, L) rad; weight: (n, 2, L), 1/sigma, 0
+    where there is no sample; prior: (n, 4, L) smoothed readings and their rates; prior_weight:
+    (n, 4, L), 0 but at starts; pieces: (n - 1, 4, L) or None.
     """
 
     ts: Float[Array, "n L"]
@@ -91,8 +91,9 @@ def linearise(
 
     # Readings and their rates in one go: the samples need the first two, the prior all four.
     def readings(t, y, q):
-        f = lambda t, y: jnp.stack(layout.model(q, piece, left).readings(t, y))  # noqa: E731
-        rates = (y[2], y[3], *([jnp.zeros_like(t)] * (len(y) - 2)))
+        model = layout.model(q, piece, left)
+        f = lambda t, y: jnp.stack(model.readings(t, y))  # noqa: E731
+        rates = model.derivative(t, y)
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
         return jnp.concatenate([h, dh])
 

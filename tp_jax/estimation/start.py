@@ -45,7 +45,9 @@ def start_from_data(
         edge = slice(width // 2, r.t.size - width // 2)
         row = dict(t=r.t, y=one.value, v=one.first, a=one.second)
         n = r.t.size
-        row["v2"], row["a2"] = (np.zeros(n), np.zeros(n)) if two is None else (two.first, two.second)
+        row["v2"], row["a2"] = (
+            (np.zeros(n), np.zeros(n)) if two is None else (two.first, two.second)
+        )
         row["sin"] = np.sin(r.omega * r.t) if _sine(r) else np.zeros(n)
         row["cos"] = np.cos(r.omega * r.t) if _sine(r) else np.zeros(n)
         row["reading"] = np.zeros(n) if r.drive is None else r.drive

@@ -1,13 +1,13 @@
 """The gap between model and recordings: where it lies, what causes it, how far it shrinks.
 
-    applicability, directions   which effects, at which shape constants
-    screen, structure           all of them from one linearisation; is anything there at all
-    refit, crossvalidation      the best few, nonlinearly, judged inside the fitted data
-    choice                      the causes, one by one
-    held_out, free_run          what is left on data no choice has touched
-    location, detectability, intervals, experiment, verdict
-    diagnosis                   all of it together
-    predict                     a run never seen
+applicability, directions   which effects, at which shape constants
+screen, structure           all of them from one linearisation; is anything there at all
+refit, crossvalidation      the best few, nonlinearly, judged inside the fitted data
+choice                      the causes, one by one
+held_out, free_run          what is left on data no choice has touched
+location, detectability, intervals, experiment, verdict
+diagnosis                   all of it together
+predict                     a run never seen
 """
 
 from tp_jax.gap.diagnosis import Diagnosis as Diagnosis

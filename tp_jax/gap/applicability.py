@@ -1,5 +1,7 @@
 """Which effects a campaign could show at all."""
 
+import numpy as np
+
 from tp_jax.effects import Effect
 from tp_jax.estimation.baseline import Setting
 
@@ -26,6 +28,10 @@ def why_not(effect: Effect, setting: Setting) -> str | None:
     missing = effect.needs - conditions(setting)
     if effect.about_rider and not setting.rider:
         missing = missing | {"rider"}
+    runs = [r for r in setting.recordings if r.forced and r.omega and not r.measured_drive]
+    seen = [effect.resolved(r.omega or 0.0, float(np.median(np.diff(r.t)))) for r in runs]
+    if not missing and seen and not all(seen):
+        return "Does not apply: it is faster than the samples can show."
     words = {
         "rider": "it needs the angle of a rider",
         "sine": "it needs a commanded sine drive",

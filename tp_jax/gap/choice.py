@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.crossvalidation import gain, left_out_cost
-from tp_jax.gap.refit import Refit, polish, refit, removable
-from tp_jax.gap.screen import Screen, blocks_of, screen
+from tp_jax.gap.refit import Refit, lengthened, polish, refit, removable
+from tp_jax.gap.screen import Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
 
 log = logging.getLogger(__name__)
@@ -18,6 +19,9 @@ log = logging.getLogger(__name__)
 LEVEL = 0.05  # family-wise level of the test of structure
 REFITTED = (6, 4, 4)  # candidates refitted in each round
 EARNS = 2.5  # standard errors by which a cause must lower the left-out cost
+TIE, TIE_PART = 2.0, 0.1  # tied: within two standard errors, and within a tenth of the gain
+LONGER = 2  # times that windows are made three times as long, where that is done
+LENGTHEN = 1.15  # chi2/dof of the final model above which it is fitted on longer windows too
 LEAST_PART = 0.01  # of the removable gap that a cause must take with it
 
 
@@ -84,7 +88,7 @@ def choose(
             trial = refit(setting, current.fit, [*current.variants, s.variant])
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
-        best = max(gains, key=lambda id: gains[id][0])
+        best = _most_promising(refits, gains, block)
         progress(f"polishing {best}", None)
         polished = polish(setting, refits[best])
         refits[best] = polished
@@ -97,7 +101,25 @@ def choose(
         if taken is None:
             break
         current = refits[best]
+    if current.ids and current.fit.chi2_dof > LENGTHEN:
+        for _ in range(LONGER):
+            progress("longer windows", None)
+            current = lengthened(setting, current)
     return Choice(baseline, tuple(rounds), current)
+
+
+def _most_promising(
+    refits: dict[str, Refit], gains: dict[str, tuple[float, float]], block: np.ndarray
+) -> str:
+    """The refit with the largest left-out gain; among those tied with it, the simplest."""
+    top = max(gains, key=lambda id: gains[id][0])
+    costs = {id: left_out_cost(r.fit) for id, r in refits.items()}
+    tied = []
+    for id in refits:
+        behind, error = gain(costs[id], costs[top], block)
+        if id == top or (behind < TIE * error and behind < TIE_PART * gains[top][0]):
+            tied.append(id)
+    return min(tied, key=lambda id: (len(refits[id].variants[-1].unknowns), -gains[id][0]))
 
 
 def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
@@ -139,22 +161,16 @@ def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
     return {id: sum(w for ids, w in weights if id in ids) / total for id in names}
 
 
-def tied_by_gain(choice: Choice) -> list[list[str]]:
+def tied_by_gain(choice: Choice, setting: Setting) -> list[list[str]]:
     """Effects whose left-out gain does not differ beyond its error from that of a cause."""
     groups = []
     for r in choice.rounds:
         if r.taken is None:
             continue
-        block = None
+        block = blocks_of(r.before, setting)
         best = left_out_cost(r.refits[r.taken].fit)
         for id, trial in r.refits.items():
-            if id == r.taken:
-                continue
-            if block is None:
-                block = np.arange(best.size)
-            other = left_out_cost(trial.fit)
-            drop, error = gain(other, best, block)
-            reference, _ = r.gains[r.taken]
-            if drop < 2.0 * error and drop < 0.1 * max(reference, 1e-300):
+            behind, error = gain(left_out_cost(trial.fit), best, block)
+            if id != r.taken and behind < TIE * error and behind < TIE_PART * r.gains[r.taken][0]:
                 groups.append(sorted([id, r.taken]))
     return groups

@@ -12,9 +12,7 @@ TIED = 0.95  # |cos| of projected directions above which two effects are not tol
 def needed_noncentrality(q: int, tests: int) -> float:
     """Noncentrality at which a chi-square test of q amplitudes, one of many, has the power."""
     critical = stats.chi2.isf(FAMILY_WISE / tests, q)
-    return float(
-        optimize.brentq(lambda x: stats.ncx2.sf(critical, q, x) - POWER, 1e-3, 1e4)
-    )
+    return float(optimize.brentq(lambda x: stats.ncx2.sf(critical, q, x) - POWER, 1e-3, 1e4))
 
 
 def minimum_detectable(scored: Scored, tests: int, inflation: float) -> float | None:
@@ -31,7 +29,7 @@ def minimum_detectable(scored: Scored, tests: int, inflation: float) -> float | 
     scale = np.sqrt(np.maximum(np.diag(V), 0.0))
     if not (scale > 0).all():
         return None
-    value, vector = np.linalg.eigh(V)
+    value = np.linalg.eigvalsh(V)
     if value[0] <= 1e-12 * value[-1]:
         return None
     needed = needed_noncentrality(V.shape[0], tests) * max(inflation, 1.0)
@@ -45,7 +43,9 @@ def cosine(screen: Screen, a: Scored, b: Scored) -> float:
     Va = _inverse_root(screen.information[a.rows, a.rows])
     Vb = _inverse_root(screen.information[b.rows, b.rows])
     cross = Va @ screen.information[a.rows, b.rows] @ Vb
-    return float(np.clip(np.linalg.svd(cross, compute_uv=False)[0], 0.0, 1.0)) if cross.size else 0.0
+    return (
+        float(np.clip(np.linalg.svd(cross, compute_uv=False)[0], 0.0, 1.0)) if cross.size else 0.0
+    )
 
 
 def _inverse_root(V: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from tp_jax.effects import catalogue
 from tp_jax.effects import get as get_effect
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
@@ -19,7 +20,6 @@ from tp_jax.gap.choice import Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_run, rms, start_state
 from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, floor_square, shrink
-from tp_jax.gap.intervals import intervals
 from tp_jax.gap.location import locate
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.verdict import verdict
@@ -50,7 +50,7 @@ class Diagnosis:
         return self.result
 
 
-def _silent(stage: str, fraction: float | None) -> None:  # noqa: ARG001
+def _silent(stage: str, fraction: float | None) -> None:
     """Reports to nobody."""
 
 
@@ -100,16 +100,14 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         id: evaluate(setting, r.fit.values, horizon, [v.effect for v in r.variants])
         for id, r in singles.items()
     }
+    after = before
     if final.ids:
-        key = final.ids[0] if len(final.ids) == 1 else None
-        after = held[key] if key else evaluate(
-            setting, final.fit.values, horizon, [v.effect for v in final.variants]
-        )
-    else:
-        after = before
+        after = evaluate(setting, final.fit.values, horizon, [v.effect for v in final.variants])
+        if len(final.ids) == 1:
+            held[final.ids[0]] = after
     total = shrink(setting, before, after, seed)
     first = choice.rounds[0]
-    excess = _excess(setting, baseline)
+    excess = _excess(baseline)
     word = verdict(first.structure.p, excess, len(final.ids), total)
     no_gap = word == "no_gap"
     probabilities = cause_probabilities(choice, baseline.dof)
@@ -144,8 +142,8 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice)],
         "causes": _causes(setting, choice, final, before, held, probabilities, horizon, seed),
         "candidates": _candidates(setting, choice, probabilities, shrinks),
-        "confused_with": _tied(choice, no_gap),
-        "minimum_detectable": _detectable(setting, choice),
+        "confused_with": _tied(setting, choice, no_gap),
+        "minimum_detectable": _detectable(choice),
         "absorbed": _absorbed(setting, baseline, final.fit) if ids else {},
         "fits": {
             "before": fit_record(baseline.values, (), labels),
@@ -165,11 +163,10 @@ def _common_horizon(setting: Setting, horizon: float) -> float:
     return float(min(horizon, shortest))
 
 
-def _excess(setting: Setting, baseline: Fit) -> float:
+def _excess(baseline: Fit) -> float:
     """Standard errors by which the misfit exceeds the noise, its own uncertainty included."""
     error = np.hypot(FLOOR_ERROR, np.sqrt(2.0 / max(baseline.dof, 1)))
     # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
-    del setting
     return float((baseline.chi2_dof - 1.0) / error)
 
 
@@ -205,9 +202,7 @@ def _causes(setting, choice, final, before, held, probabilities, horizon, seed) 
         else:
             r = next(r for r in choice.rounds if r.taken == ids[-1])
             fit = r.refits[ids[-1]]
-            measured = evaluate(
-                setting, fit.fit.values, horizon, [x.effect for x in fit.variants]
-            )
+            measured = evaluate(setting, fit.fit.values, horizon, [x.effect for x in fit.variants])
             value = shrink(setting, before, measured, seed).value
         out.append(
             {
@@ -282,10 +277,10 @@ def _candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrin
     return rows
 
 
-def _tied(choice: Choice, no_gap: bool) -> list[list[str]]:
+def _tied(setting: Setting, choice: Choice, no_gap: bool) -> list[list[str]]:
     groups = detectability.tied_groups(choice.rounds[0].screen)
     if not no_gap:
-        groups += tied_by_gain(choice)
+        groups += tied_by_gain(choice, setting)
     unique = []
     for g in groups:
         if g not in unique:
@@ -293,7 +288,7 @@ def _tied(choice: Choice, no_gap: bool) -> list[list[str]]:
     return unique
 
 
-def _detectable(setting: Setting, choice: Choice) -> dict[str, dict | None]:
+def _detectable(choice: Choice) -> dict[str, dict | None]:
     """From the last screen, whose residuals are nearest to the noise."""
     last, first = choice.rounds[-1], choice.rounds[0]
     out: dict[str, dict | None] = {}
@@ -413,7 +408,9 @@ def _residuals(setting: Setting, before: HeldOut, after: HeldOut | None) -> list
 def _notes(setting: Setting, baseline: Fit, final: Refit, word: str) -> list[str]:
     notes = []
     if setting.campaign.B1 is None:
-        notes.append("B1 is not given, so B1 = 1 and torques are per unit of B1: no angle can tell.")
+        notes.append(
+            "B1 is not given, so B1 = 1 and torques are per unit of B1: no angle can tell."
+        )
     if setting.rider:
         notes.append(
             "Ts2 has no effect on any motion and is held at 0; T0 and Tst are nearly confounded "

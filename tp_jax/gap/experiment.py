@@ -65,7 +65,7 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
         return None
     values = values.replace({**a.variant.settings, **b.variant.settings})
     unknowns = [*base, *effects]
-    lin = problem.linearise(values, problem.initial_states(), columns(unknowns))
+    lin = problem.linearise(values, problem.initial_states(values), columns(unknowns))
     if not lin.complete.all():
         return None
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
@@ -78,9 +78,12 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
         # can on this run.
         others = [j for j in range(len(unknowns)) if not nb <= j < nb + qa]
         mine = list(range(nb, nb + qa))
-        V = H[np.ix_(mine, mine)] - H[np.ix_(mine, others)] @ pseudo_inverse(
-            H[np.ix_(others, others)]
-        ) @ H[np.ix_(others, mine)]
+        V = (
+            H[np.ix_(mine, mine)]
+            - H[np.ix_(mine, others)]
+            @ pseudo_inverse(H[np.ix_(others, others)])
+            @ H[np.ix_(others, mine)]
+        )
         sigmas.append(float(np.sqrt(max(ea @ V @ ea, 0.0))))
     best = int(np.argmax(sigmas))
     return Proposal(float(grid[best]), True, DURATION, (a.id, b.id), sigmas[best])

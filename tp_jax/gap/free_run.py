@@ -1,4 +1,4 @@
-"""Free runs: from the state at the start of a recording to its end, nothing corrected on the way."""
+"""Free runs: from the state at the start of a recording to its end, never corrected."""
 
 import functools
 
@@ -21,9 +21,7 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
     """State at the start of a recording (4,), estimated on its first window only."""
     p = setting.prepared[recording]
     count = int(np.searchsorted(p.t, p.t[0] + horizon, side="right"))
-    windows = Windows(
-        np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon
-    )
+    windows = Windows(np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon)
     problem = Problem(
         setting.layout, setting.prepared, windows, setting.sigma, setting.capacity,
         setting.fixed["B1"],

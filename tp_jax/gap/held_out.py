@@ -8,8 +8,8 @@ import dataclasses
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Anchor, Fit, fit
+from tp_jax.estimation.layout import Values
+from tp_jax.estimation.least_squares import Fit, fit
 from tp_jax.gap.refit import nuisances
 
 FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its estimator
@@ -57,19 +57,15 @@ def evaluate(setting: Setting, values: Values, horizon: float, effects=()) -> He
     """
     values = carried_over(values, setting)
     problem = setting.problem(horizon, setting.held_out)
-    unknowns: list[Unknown] = []
-    anchors: list[Anchor] = []
-    extra, priors = nuisances(list(effects), setting)
-    if extra:
-        unknowns = [Unknown("zero2", i) for i in setting.held_out]
-        anchors = [
-            Anchor(u, p.centre, p.sd) for u, p in zip(unknowns, [priors[0]] * len(unknowns))
-        ]
+    # zero1 belongs to the campaign and is known from the fit; that of phi2 to the recording.
+    extra, priors = nuisances(list(effects), setting, setting.held_out)
+    unknowns = [u for u in extra if u.recording is not None]
+    anchors = [a for a in priors if a.unknown in unknowns]
     result = fit(problem, values, unknowns, anchors=anchors, max_iterations=12, relative=1e-5)
-    return squares(setting, result)
+    return squares(result)
 
 
-def squares(setting: Setting, result: Fit) -> HeldOut:
+def squares(result: Fit) -> HeldOut:
     """Sums of squares by window and channel of a fit."""
     problem = result.problem
     r = result.linearisation.r[:, :-4]

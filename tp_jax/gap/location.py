@@ -35,7 +35,7 @@ def locate(choice: Choice) -> list[Share]:
         location = get_effect(r.taken).location
         drop = max(r.before.cost - r.refits[r.taken].cost, 0.0)
         parts[location] = parts.get(location, 0.0) + drop
-        when.setdefault(location, describe(choice, r, location))
+        when.setdefault(location, describe(r, location))
     left = max(total - sum(parts.values()), 0.0)
     last = choice.rounds[-1]
     if left > 0.05 * total or not parts:
@@ -52,7 +52,7 @@ def locate(choice: Choice) -> list[Share]:
     return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]
 
 
-def describe(choice: Choice, round_, location: str) -> str:
+def describe(round_, location: str) -> str:
     """The part of the motion in which a cause lowers the squared residuals most densely."""
     before = round_.before.linearisation
     after = round_.refits[round_.taken].fit.linearisation
@@ -71,7 +71,10 @@ def describe(choice: Choice, round_, location: str) -> str:
             # Densest regime that holds at least half of what is gone.
             score = share / part if share > 0.5 else -np.inf
             if score > best and score > 1.2:
-                best, text = score, f"{name} ({100 * share:.0f} % of it in {100 * part:.0f} % of the time)"
+                best, text = (
+                    score,
+                    f"{name} ({100 * share:.0f} % of it in {100 * part:.0f} % of the time)",
+                )
     return text
 
 

@@ -14,6 +14,8 @@ from tp_jax.gap.directions import Variant
 
 log = logging.getLogger(__name__)
 
+MOST_SAMPLES = 1000  # of a window; longer ones take a program of their own for little
+ZERO1_SD = 1.0  # rad; the zero of an angle sensor may be anywhere
 ZERO2_SD = 0.3  # rad; where the rider is put is not known, but it is read as about zero
 
 
@@ -35,13 +37,25 @@ class Refit:
         return self.fit.cost
 
 
-def nuisances(effects: Sequence[Effect], setting: Setting) -> tuple[tuple[Unknown, ...], list[Anchor]]:
-    """Zeros of phi2 become unknowns where an effect depends on phi2, one per recording."""
-    if not any(e.uses_phi2 for e in effects):
-        return (), []
-    unknowns = tuple(Unknown("zero2", i) for i in setting.fitted)
-    spec = setting.layout.parameters[setting.layout.index["zero2"]]
-    return unknowns, [Anchor(u, 0.0, ZERO2_SD / spec.typical) for u in unknowns]
+def nuisances(
+    effects: Sequence[Effect], setting: Setting, recordings: Sequence[int]
+) -> tuple[list[Unknown], list[Anchor]]:
+    """Zeros of the angles, which matter only where an effect depends on an angle itself.
+
+    That of phi2 is one per recording; that of phi1 is one per campaign, and with a commanded sine
+    it is an unknown of the baseline already.
+    """
+    index, specs = setting.layout.index, setting.layout.parameters
+    unknowns: list[Unknown] = []
+    anchors: list[Anchor] = []
+    if any(e.uses_phi1 for e in effects) and not setting.sine:
+        unknowns.append(Unknown("zero1"))
+        anchors.append(Anchor(unknowns[-1], 0.0, ZERO1_SD / specs[index["zero1"]].typical))
+    if any(e.uses_phi2 for e in effects):
+        mine = [Unknown("zero2", i) for i in recordings]
+        unknowns += mine
+        anchors += [Anchor(u, 0.0, ZERO2_SD / specs[index["zero2"]].typical) for u in mine]
+    return unknowns, anchors
 
 
 def refit(
@@ -66,7 +80,7 @@ def refit(
     """
     unknowns = list(setting.unknowns())
     values = before.values
-    extra, anchors = nuisances([v.effect for v in variants], setting)
+    extra, anchors = nuisances([v.effect for v in variants], setting, setting.fitted)
     for v in variants:
         values = values.replace(v.settings)
         unknowns += [u for u in v.unknowns if u not in unknowns]
@@ -78,6 +92,7 @@ def refit(
         problem = setting.problem(horizon)
         states = handed_on(before, problem)
     base = [a for a in setting.anchors() if a.unknown in unknowns]
+    base = [a for a in base if a.unknown not in {b.unknown for b in anchors}]
     result = fit(
         problem, values, unknowns, states, bounds=setting.bounds, anchors=[*base, *anchors],
         max_iterations=max_iterations, relative=relative,
@@ -126,6 +141,26 @@ def _again(before: Fit, values: Values, unknowns, bounds, max_iterations: int) -
         before.problem, values, unknowns, before.states, bounds=bounds, anchors=before.anchors,
         max_iterations=max_iterations, relative=1e-7,
     )  # fmt: skip
+
+
+def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
+    """The same model fitted on windows `factor` times as long.
+
+    What is still wrong with a model shows most over long times, and so does what its parameters
+    should be to make the best of it. For a model that leaves noise alone it changes nothing.
+    """
+    shortest = min(setting.recordings[i].duration for i in setting.fitted)
+    horizon = min(factor * result.fit.problem.windows.horizon, shortest)
+    step = float(np.median(np.diff(setting.prepared[setting.fitted[0]].t)))
+    if horizon / step > MOST_SAMPLES:
+        return result
+    problem = setting.problem(horizon)
+    states = handed_on(result.fit, problem)
+    longer = fit(
+        problem, result.fit.values, result.fit.unknowns, states, bounds=setting.bounds,
+        anchors=result.fit.anchors, max_iterations=25, relative=1e-6,
+    )  # fmt: skip
+    return Refit(longer, result.variants) if np.isfinite(longer.cost) else result
 
 
 def removable(fit: Fit) -> float:

@@ -13,13 +13,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import columns, spread
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.directions import Variant, layers, variants
-
-BLOCK = 1.0  # s, the least length over which scores are summed before their scatter is taken
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,21 +61,6 @@ class Screen:
         return sorted(top.values(), key=lambda s: -s.drop)
 
 
-def blocks_of(fit: Fit, setting: Setting) -> np.ndarray:
-    """Block of each window (w,): consecutive windows of a recording, a second or more."""
-    w = fit.problem.windows
-    out = np.zeros(w.n, dtype=int)
-    block, spent, last = -1, np.inf, None
-    for i in range(w.n):
-        t = setting.prepared[w.recording[i]].t
-        length = t[w.first[i] + w.count[i] - 1] - t[w.first[i]]
-        if w.recording[i] != last or spent >= BLOCK * 0.95:
-            block, spent, last = block + 1, 0.0, w.recording[i]
-        out[i] = block
-        spent += length
-    return out
-
-
 def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
     """Scores every effect that applies and is not in the fit already.
 
@@ -116,11 +100,12 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
     for a in fit.anchors:
         if a.unknown in base:
             i = base.index(a.unknown)
-            H[i, i] += fit.information()[fit.unknowns.index(a.unknown)][
-                fit.unknowns.index(a.unknown)
-            ] - fit.eliminated.H.sum(axis=0)[
-                fit.unknowns.index(a.unknown), fit.unknowns.index(a.unknown)
-            ]
+            H[i, i] += (
+                fit.information()[fit.unknowns.index(a.unknown)][fit.unknowns.index(a.unknown)]
+                - fit.eliminated.H.sum(axis=0)[
+                    fit.unknowns.index(a.unknown), fit.unknowns.index(a.unknown)
+                ]
+            )
             g[i] = 0.0  # at the optimum the prior balances the data
     scale = np.sqrt(np.diag(H))
     scale = np.where(scale > 0, scale, 1.0)

@@ -29,6 +29,16 @@ class AbstractDrive(eqx.Module):
     def amplitude(self) -> Float[Array, "..."]:
         """Amplitude of a sine drive [rad], zero for others."""
 
+    @property
+    @abstractmethod
+    def rest(self) -> Float[Array, "..."]:
+        """Angle by which a static torque shifts the rest position [rad], zero for a sine.
+
+        The offset of a measured drive. Under a linear spring it is the same as a zero of phi1;
+        under another one, the zero of phi1 (where the spring is relaxed) and the rest position
+        are two things.
+        """
+
 
 class SineDrive(AbstractDrive):
     """`f_e = A sin(omega t + offset)`, equation (3b); a motor at rest has A = 0.
@@ -50,6 +60,10 @@ class SineDrive(AbstractDrive):
     def amplitude(self):
         return self.A
 
+    @property
+    def rest(self):
+        return jnp.zeros(())
+
 
 class PiecewiseCubicDrive(AbstractDrive):
     """A measured drive: cubic pieces between the samples, up to a gain and an offset.
@@ -69,11 +83,15 @@ class PiecewiseCubicDrive(AbstractDrive):
     def angle(self, t, theta):  # noqa: ARG002
         i = jnp.clip(jnp.searchsorted(self.knots, t, side="right") - 1, 0, self.knots.size - 2)
         reading = cubic(self.coefficients[:, i], t - self.knots[i])
-        return self.gain * reading + self.offset
+        return self.gain * reading
 
     @property
     def amplitude(self):
         return jnp.zeros(())
+
+    @property
+    def rest(self):
+        return self.offset
 
 
 class LanewiseDrive(AbstractDrive):
@@ -97,11 +115,15 @@ class LanewiseDrive(AbstractDrive):
 
     def angle(self, t, theta):
         reading = cubic(self.piece, t - self.left)
-        return self.A * jnp.sin(theta) + self.gain * reading + self.level
+        return self.A * jnp.sin(theta) + self.gain * reading
 
     @property
     def amplitude(self):
         return self.A
+
+    @property
+    def rest(self):
+        return self.level
 
 
 def cubic(c: Float[Array, "4 ..."], x: Float[Array, "..."]) -> Float[Array, "..."]:

@@ -31,7 +31,7 @@ def energy(model: AbstractTorsionPendulum, t: Float[Array, ""], y: Float[Array, 
     """Energies and powers in state `y` (n_states,) at time `t` [s].
 
     The spring's force on the drive times the drive's speed is the power put in. With the printed
-    reaction factor 2 the motion is that of the Newton-consistent model with B1, k, c1 and M1 halved,
+    reaction factor 2 the motion is that of the Newton-consistent model with B1, k, c1, M1 halved,
     so the column's part is divided by the factor; otherwise energy would seem to rise undriven.
     """
     m = model.motion(t, tuple(y))
@@ -46,7 +46,7 @@ def energy(model: AbstractTorsionPendulum, t: Float[Array, ""], y: Float[Array, 
     _, speed = jax.jvp(angle, (t,), (t * 0 + 1.0,))
     return Energy(
         kinetic=kinetic,
-        spring=model.spring.energy(m.d) / factor,
+        spring=model.spring.energy(m.d + model.drive.rest) / factor,
         drive_power=m.spring * speed / factor,
         bearing_loss=m.bearing * m.v1 / factor,
         contact_loss=contact_loss,

@@ -108,7 +108,14 @@ SETTINGS = (
 NUISANCES = (
     Parameter("phase", "rad", -np.pi, np.pi, typical=0.1, description="drive phase at t = 0"),
     Parameter("gain", "rad per reading", -1e6, 1e6, description="gain of the measured drive"),
-    Parameter("level", "rad", -10.0, 10.0, typical=0.1, description="offset of the measured drive"),
+    Parameter(
+        "level",
+        "rad",
+        -10.0,
+        10.0,
+        typical=0.1,
+        description="rest position, as read, under a measured drive",
+    ),
     Parameter("zero1", "rad", -1.0, 1.0, typical=0.01, description="zero of phi1"),
     Parameter(
         "zero2", "rad", -7.0, 7.0, typical=0.1, scope="recording", description="zero of phi2"

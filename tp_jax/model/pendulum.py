@@ -87,7 +87,7 @@ class AbstractTorsionPendulum(eqx.Module):
         m.f = self.drive.angle(t, m.theta) + self._sum("drive", m)
         m.d = m.f - phi1
         m.k = self.spring.k
-        m.spring = self.spring.torque(m.d) + self._sum("spring", m)
+        m.spring = self.spring.torque(m.d + self.drive.rest) + self._sum("spring", m)
         m.M1 = self.bearing.M1
         m.sign1 = smooth_sign(v1, self.bearing.eps)
         m.bearing_dry = m.M1 * m.sign1
@@ -127,7 +127,6 @@ class AbstractTorsionPendulum(eqx.Module):
         Args:
             t: recorded time [s]. y: tuple of the state's components, equal shapes.
         """
-
 
     def derivative(self, t: Array, y: tuple) -> tuple:
         """Derivatives of the state's components with respect to recorded time."""

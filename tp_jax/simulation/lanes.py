@@ -32,8 +32,8 @@ Field = Callable[..., tuple]
 class Tolerances(NamedTuple):
     """Tolerances of a step: angles [rad], velocities [rad/s], tangents (relative), friction."""
 
-    angle: float = 1e-5
-    velocity: float = 1e-3
+    angle: float = 1e-6
+    velocity: float = 1e-4
     tangent: float = 1e-2
     friction: float = 0.15
 
@@ -114,7 +114,7 @@ def integrate(
 
     def body(carry):
         count, t, i, h, y, s, out_y, out_s, steps = carry
-        active = i < lanes.count - 1
+        active = unfinished(i, y)
         target = jnp.minimum(i + 1, n - 1)
         end = sample_time(target)
         fresh = active & lanes.start[target, lane]
@@ -163,8 +163,11 @@ def integrate(
         i = i + landed
         return count + 1, t, i, h, y, s, out_y, out_s, steps + active
 
+    def unfinished(i, y):  # a lane that is not finite will never be done
+        return (i < lanes.count - 1) & jnp.all(jnp.isfinite(y), axis=0)
+
     def go_on(carry):
-        return jnp.any(carry[2] < lanes.count - 1) & (carry[0] < max_steps)
+        return jnp.any(unfinished(carry[2], carry[4])) & (carry[0] < max_steps)
 
     out_y = jnp.zeros((n_lanes, n, nc)).at[:, 0].set(y0.T)
     out_s = jnp.zeros((n_lanes, n, nc, nt)).at[:, 0].set(s0.transpose(2, 0, 1))

@@ -77,5 +77,3 @@ def solve_stage(
     det = w[0, 0] * w[1, 1] - w[0, 1] * w[1, 0]
     kv = jnp.stack([w[1, 1] * r[0] - w[0, 1] * r[1], w[0, 0] * r[1] - w[1, 0] * r[0]]) / det
     return jnp.concatenate([rq + gh * rate * kv, kv])
-
-

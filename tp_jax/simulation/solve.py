@@ -7,6 +7,7 @@ import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from tp_jax.model.pendulum import AbstractTorsionPendulum
@@ -38,8 +39,8 @@ def simulate(
 ) -> Trajectory:
     """Motion of a pendulum at given times.
 
-    Works under `jit`, `vmap`, `jvp` and `grad`. Derivatives are those of the numerical solution
-    in forward mode; `grad` costs one forward sweep per number differentiated.
+    Works under `jit`, `vmap`, `jvp` and `grad`, in the model's numbers and `y0`. Derivatives are
+    those of the numerical solution in forward mode; they cost one sweep for each such number.
 
     Args:
         model: `DoubleTorsionPendulum` or `SingleTorsionPendulum`.
@@ -67,18 +68,16 @@ def simulate(
         )
     y0 = jnp.zeros(model.n_states) if y0 is None else jnp.asarray(y0, dtype=float)
     if y0.shape != (model.n_states,):
-        raise ValueError(
-            f"Argument `y0` must have shape ({model.n_states},), but has {y0.shape}."
-        )
+        raise ValueError(f"Argument `y0` must have shape ({model.n_states},), but has {y0.shape}.")
     arrays, static = eqx.partition(model, eqx.is_inexact_array)
     leaves, tree = jax.tree.flatten(arrays)
     run = partial(_integrate, tree, static, solver, rtol, atol, max_steps)
-    ys = _forward_differentiable(run, (tuple(leaves), ts, y0))
+    ys = _forward_differentiable(run, (tuple(leaves), y0), ts)
     return Trajectory(ts, ys[:, 0], ys[:, 1], ys[:, 2], ys[:, 3])
 
 
-def _integrate(tree, static, solver, rtol, atol, max_steps, inputs, adjoint):
-    leaves, ts, y0 = inputs
+def _integrate(tree, static, solver, rtol, atol, max_steps, inputs, ts, adjoint):
+    leaves, y0 = inputs
     model = eqx.combine(jax.tree.unflatten(tree, leaves), static)
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(model.vector_field),
@@ -96,24 +95,24 @@ def _integrate(tree, static, solver, rtol, atol, max_steps, inputs, adjoint):
     return solution.ys
 
 
-def _forward_differentiable(run: Any, inputs: Any) -> Array:
+def _forward_differentiable(run: Any, inputs: Any, ts: Array) -> Array:
     """Runs with forward-mode tangents, made linear in them so that they can be transposed.
 
     diffrax's adjoints offer one mode each. A custom rule whose tangent is a product with the
-    Jacobian, built column by column in forward mode, serves both modes.
+    Jacobian, built column by column in forward mode, serves both modes. Sample times carry no
+    tangent.
     """
 
     @jax.custom_jvp
-    def solve(inputs):
-        return run(inputs, diffrax.ForwardMode())
+    def solve(inputs, ts):
+        return run(inputs, ts, diffrax.ForwardMode())
 
     @solve.defjvp
     def _(primals, tangents):
-        (inputs,), (tangent,) = primals, tangents
-        flat, unflatten = jax.flatten_util.ravel_pytree(inputs)
-        direction, _ = jax.flatten_util.ravel_pytree(tangent)
-        forward = lambda x: run(unflatten(x), diffrax.ForwardMode())  # noqa: E731
-        jacobian = jax.jacfwd(forward)(flat)
-        return run(inputs, diffrax.ForwardMode()), jacobian @ direction
+        inputs, ts = primals
+        flat, unflatten = ravel_pytree(inputs)
+        direction, _ = ravel_pytree(tangents[0])
+        forward = lambda x: run(unflatten(x), ts, diffrax.ForwardMode())  # noqa: E731
+        return forward(flat), jax.jacfwd(forward)(flat) @ direction
 
-    return solve(inputs)
+    return solve(inputs, ts)

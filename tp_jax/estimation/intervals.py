@@ -4,8 +4,8 @@ import numpy as np
 from scipy import stats
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit, parameter
-from tp_jax.gap.screen import blocks_of
 
 
 def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, int]:

@@ -1,0 +1,72 @@
+"""Window states eliminated: the Schur complement of the full normal equations."""
+
+import numpy as np
+import pytest
+
+from tp_jax.estimation.elimination import eliminate
+
+W, M, U = 5, 40, 7
+
+
+@pytest.fixture
+def system():
+    rng = np.random.default_rng(0)
+    return rng.normal(size=(W, M)), rng.normal(size=(W, M, 4)), rng.normal(size=(W, M, U))
+
+
+def normal_equations(r, X, J):
+    """Matrix and gradient of all unknowns: states of every window, then those in common."""
+    full = np.zeros((W * M, 4 * W + U))
+    for w in range(W):
+        full[w * M : (w + 1) * M, 4 * w : 4 * w + 4] = X[w]
+        full[w * M : (w + 1) * M, 4 * W :] = J[w]
+    return full.T @ full, full.T @ r.ravel(), full
+
+
+def test_sums_are_the_schur_complement(system):
+    N, g, _ = normal_equations(*system)
+    out = eliminate(*system)
+    n = 4 * W
+    H = N[n:, n:] - N[n:, :n] @ np.linalg.solve(N[:n, :n], N[:n, n:])
+    gradient = g[n:] - N[n:, :n] @ np.linalg.solve(N[:n, :n], g[:n])
+    np.testing.assert_allclose(out.H.sum(axis=0), H, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(out.g.sum(axis=0), gradient, rtol=1e-9, atol=1e-9)
+
+
+def test_each_window_is_projected(system):
+    r, X, J = system
+    out = eliminate(*system)
+    for w in range(W):
+        away = np.eye(M) - X[w] @ np.linalg.pinv(X[w])
+        np.testing.assert_allclose(out.g[w], J[w].T @ away @ r[w], atol=1e-9)
+        np.testing.assert_allclose(out.H[w], J[w].T @ away @ J[w], atol=1e-9)
+        assert out.cost[w] == pytest.approx(r[w] @ away @ r[w], rel=1e-9)
+
+
+def test_the_step_is_that_of_all_unknowns_together(system):
+    r = system[0]
+    _, _, full = normal_equations(*system)
+    step = np.linalg.lstsq(full, -r.ravel())[0]
+    out = eliminate(*system)
+    common = np.linalg.solve(out.H.sum(axis=0), -out.g.sum(axis=0))
+    states = out.state_step + out.state_gain @ common
+    np.testing.assert_allclose(common, step[4 * W :], atol=1e-9)
+    np.testing.assert_allclose(states.ravel(), step[: 4 * W], atol=1e-9)
+    left = ((r.ravel() + full @ step) ** 2).sum()
+    assert out.cost.sum() + out.g.sum(axis=0) @ common == pytest.approx(left, rel=1e-9)
+
+
+def test_a_state_without_influence_does_no_harm(system):
+    r, X, J = system
+    X[:, :, 3] = 0.0
+    out = eliminate(r, X, J)
+    assert np.isfinite(out.H).all()
+    np.testing.assert_allclose(out.state_step[:, 3], 0.0, atol=1e-9)
+    three = eliminate(r, X[:, :, :3], J)
+    np.testing.assert_allclose(out.H, three.H, rtol=1e-8, atol=1e-8)
+
+
+def test_damping_holds_the_states_back(system):
+    free, held = eliminate(*system), eliminate(*system, damping=1e6)
+    assert np.abs(held.state_step).max() < 1e-4 * np.abs(free.state_step).max()
+    assert (held.cost >= free.cost).all()

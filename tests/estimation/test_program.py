@@ -1,0 +1,38 @@
+"""One compiled program serves the baseline and every effect."""
+
+from tests.rigs import bench_problem, bench_values, whole_layout
+from tp_jax.estimation import program
+from tp_jax.estimation.problem import DIRECTIONS
+
+
+def test_one_trace_serves_all():
+    layout, values = whole_layout(), bench_values()
+    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes)
+    assert len(amplitudes) > 2 * DIRECTIONS
+    problem = bench_problem(0.25, (0, 1))
+    problem.linearise(values, problem.initial_states(), ("k",))
+    program.TRACES, kept = [], program.TRACES
+    try:
+        for horizon in (0.25, 0.1, 0.05):
+            problem = bench_problem(horizon, (0, 1, 2, 3))
+            states = problem.initial_states()
+            # no direction, the baseline's, every effect's; an effect with an amplitude; other eps
+            problem.linearise(values, states, ())
+            problem.linearise(values, states, ("k", "A", "c1", "M1", "Ts1"))
+            problem.linearise(values, states + 1e-3, amplitudes)
+        present = values.replace({"spring_asymmetry.a": 0.05, "eps1": 1e3, "eps2": 1e3})
+        problem.linearise(present, states, ("k", "spring_asymmetry.a"))
+        assert program.TRACES == []
+    finally:
+        program.TRACES = kept
+
+
+def test_slots_beyond_a_portion_are_the_same_as_alone():
+    problem, values = bench_problem(0.25, (1, 9)), bench_values()
+    layout = whole_layout()
+    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes)
+    states = problem.initial_states()
+    every = problem.linearise(values, states, amplitudes).slots_jac
+    last = problem.linearise(values, states, amplitudes[-1:]).slots_jac
+    scale = abs(last).max()
+    assert abs(every[:, :, -1:] - last).max() < 1e-9 * scale

@@ -1,0 +1,27 @@
+"""Blocks of windows, over which scores are summed before their scatter is taken.
+
+Neighbouring windows are correlated by what the model lacks; blocks of a second or more nearly are
+not.
+"""
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.least_squares import Fit
+
+BLOCK = 1.0  # s
+
+
+def blocks_of(fit: Fit, setting: Setting) -> np.ndarray:
+    """Block of each window (w,): consecutive windows of a recording, a second or more."""
+    w = fit.problem.windows
+    out = np.zeros(w.n, dtype=int)
+    block, spent, last = -1, np.inf, None
+    for i in range(w.n):
+        t = setting.prepared[w.recording[i]].t
+        length = t[w.first[i] + w.count[i] - 1] - t[w.first[i]]
+        if w.recording[i] != last or spent >= BLOCK * 0.95:
+            block, spent, last = block + 1, 0.0, w.recording[i]
+        out[i] = block
+        spent += length
+    return out
