@@ -30,10 +30,11 @@ def free_run_search(
     objective = FreeRunObjective(setting)
     steps = 0
 
+    limits = np.array([setting.bounds.get(s.name, (s.lower, s.upper)) for s in specs]).T
+
     def values_at(u: np.ndarray) -> Values:
         x = [float(s.from_coordinate(v)) for s, v in zip(specs, u, strict=True)]
-        limits = [setting.bounds.get(s.name, (s.lower, s.upper)) for s in specs]
-        return start.put(unknowns, np.array([np.clip(v, *lim) for v, lim in zip(x, limits)]))
+        return start.put(unknowns, np.clip(x, *limits))
 
     def count(_: np.ndarray) -> None:
         nonlocal steps

@@ -22,6 +22,7 @@ EARNS = 2.5  # standard errors by which a cause must lower the left-out cost
 TIE, TIE_PART = 2.0, 0.1  # tied: within two standard errors, and within a tenth of the gain
 LONGER = 2  # times that windows are made three times as long, where that is done
 LENGTHEN = 1.15  # chi2/dof of the final model above which it is fitted on longer windows too
+MOST_PART = 0.5  # of the removable gap: a cause that takes so much is not asked for its scatter
 LEAST_PART = 0.01  # of the removable gap that a cause must take with it
 
 
@@ -94,7 +95,10 @@ def choose(
         refits[best] = polished
         gains[best] = gain(reference, left_out_cost(polished.fit), block)
         drop, error = gains[best]
-        earned = drop > EARNS * error and drop > LEAST_PART * noise_only
+        # A cause that shows in a few blocks only has a large scatter and is no less real: half of
+        # the gap gone from data left out is enough.
+        sure = drop > EARNS * error or drop > MOST_PART * noise_only
+        earned = sure and drop > LEAST_PART * noise_only
         taken = best if earned else None
         rounds.append(Round(current.fit, seen, structure, refits, gains, taken))
         log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)

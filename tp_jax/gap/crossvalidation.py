@@ -2,14 +2,18 @@
 
 Each recording is cut into contiguous parts; a fold is one part of every recording. Leaving a fold
 out moves the unknowns by one Newton step, which the windows' gradients and information matrices
-give without any simulation.
+give without any simulation. Nuisances of a recording stay as they are, like the window states:
+they are estimated wherever there is a recording. What says nothing about an amplitude once a fold
+is gone (a decay is still after a second) leaves it at zero, not anywhere.
 """
 
 import numpy as np
 
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.least_squares import Fit, parameter
 
 FOLDS = 5
+NUISANCES = ("zero1", "zero2", "phase")
+WIDE = 3.0  # typical sizes; how far an amplitude may be without any data
 
 
 def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
@@ -24,10 +28,18 @@ def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
 
 def left_out_cost(fit: Fit) -> np.ndarray:
     """Sum of squares of each window (w,) under unknowns fitted without its fold."""
-    free = ~fit.at_bound
+    free = ~fit.at_bound & np.array([u.name not in NUISANCES for u in fit.unknowns])
+    names = [u for u, f in zip(fit.unknowns, free, strict=True) if f]
     g = fit.eliminated.g[:, free]
     H = fit.eliminated.H[:, free][:, :, free]
     total = fit.information()[np.ix_(free, free)]
+    ridge, pull = np.zeros(len(names)), np.zeros(len(names))
+    for i, u in enumerate(names):
+        spec = parameter(fit.problem, u)
+        if "." in u.name and spec.transform == "identity":  # an amplitude; its null is zero
+            ridge[i] = 1.0 / (WIDE * spec.typical) ** 2
+            pull[i] = ridge[i] * fit.values.get(u.name, u.recording)
+    total = total + np.diag(ridge)
     scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
     fold = folds(fit)
     cost = fit.eliminated.cost.copy()
@@ -35,7 +47,7 @@ def left_out_cost(fit: Fit) -> np.ndarray:
         out = fold == k
         gk, Hk = g[out].sum(axis=0) / scale, H[out].sum(axis=0) / np.outer(scale, scale)
         rest = total / np.outer(scale, scale) - Hk
-        move = np.linalg.pinv(rest, rcond=1e-10, hermitian=True) @ gk
+        move = np.linalg.pinv(rest, rcond=1e-13, hermitian=True) @ (gk - pull / scale)
         move = move / scale
         cost[out] += 2.0 * g[out] @ move + np.einsum("u,wuv,v->w", move, H[out], move)
     return cost

@@ -136,7 +136,7 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
 def pseudo_inverse(V: np.ndarray) -> np.ndarray:
     """Inverse of an information matrix; directions without information get none."""
     scale = np.sqrt(np.maximum(np.diag(V), 0.0))
-    live = scale > 1e-9 * max(scale.max(initial=0.0), 1e-300)
+    live = scale > 1e-12 * max(scale.max(initial=0.0), 1e-300)
     out = np.zeros_like(V)
     if live.any():
         s = scale[live]

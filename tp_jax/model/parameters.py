@@ -79,7 +79,9 @@ BASE = (
     Parameter(
         "c1", lower=0.0, upper=1.0, typical=1e-3, **_VISCOUS, description="viscous bearing friction"
     ),
-    Parameter("M1", lower=0.0, upper=1.0, typical=5e-3, **_TORQUE, description="dry bearing friction"),
+    Parameter(
+        "M1", lower=0.0, upper=1.0, typical=5e-3, **_TORQUE, description="dry bearing friction"
+    ),
     Parameter(
         "Tv", lower=0.0, upper=1.0, typical=1e-3, **_VISCOUS, description="viscous contact friction"
     ),

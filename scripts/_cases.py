@@ -1,0 +1,145 @@
+"""What scripts/cases runs: diagnoses campaigns and prints one Markdown table of the results."""
+
+import datetime
+import os
+import platform
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
+
+from tp_jax.cli.arguments import Parser, add_seed
+from tp_jax.cli.diagnose import EXAMPLE
+from tp_jax.cli.faults import explain
+from tp_jax.cli.output import plain, ready, write_json
+from tp_jax.errors import InputError
+from tp_jax.report import reading
+from tp_jax.report.formatting import MISSING, angle, number, percent, percents
+
+if TYPE_CHECKING:
+    from tp_jax.recordings import Campaign
+
+SHARED = Path(__file__).parent.parent.parent / "shared"
+
+HEAD = (
+    "campaign", "verdict", "causes", "shrink (95 % interval)", "windowed, before → after",
+    "free run, before → after", "noise floor", "seconds",
+)  # fmt: skip
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    args = _parser().parse_args(argv)
+    try:
+        _table(args)
+    except KeyboardInterrupt:
+        print("tp-jax: interrupted.", file=sys.stderr)
+        return 130
+    except Exception as fault:
+        return explain(fault, debug=args.debug)
+    return 0
+
+
+def _parser() -> Parser:
+    parser = Parser(
+        prog="scripts/cases",
+        description="Diagnoses campaigns and prints one Markdown table of the results.",
+    )
+    parser.add_argument(
+        "campaigns", metavar="CAMPAIGN", nargs="*",
+        help="folders with a campaign.toml; default: the example that comes with the package and, "
+        "where they exist, ../shared/examples/* and ../shared/data/pohl_wheel",
+    )  # fmt: skip
+    parser.add_argument("--out", metavar="DIR", help="gets NAME.json of each campaign")
+    add_seed(parser)
+    parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
+    return parser
+
+
+def _table(args: Any) -> None:
+    from tp_jax._config import enable_compilation_cache
+
+    # all are read, and all places to write to seen, before minutes of work begin
+    campaigns = _campaigns(args.campaigns)
+    targets = _targets(args.out, campaigns)
+    ready(*targets)
+
+    import tp_jax as tp
+
+    enable_compilation_cache()
+    print(_row(HEAD))
+    print(_row("---" for _ in HEAD), flush=True)
+    for campaign, target in zip(campaigns, targets, strict=True):
+        result = plain(tp.diagnose(campaign, seed=args.seed).to_dict())
+        if target is not None:
+            write_json(target, result)
+        print(_row(_cells(result)), flush=True)
+    print(f"\n{_circumstances(args.seed)}")
+
+
+def _campaigns(paths: Sequence[str]) -> "list[Campaign]":
+    from tp_jax.recordings import load_campaign
+
+    if paths:
+        return [load_campaign(path) for path in paths]
+    found = [EXAMPLE, *sorted((SHARED / "examples").glob("*/")), SHARED / "data" / "pohl_wheel"]
+    campaigns = [load_campaign(path) for path in found if (path / "campaign.toml").is_file()]
+    # the package's example may lie there too
+    once = {(c.name, *sorted(c.data_sha256.items())): c for c in reversed(campaigns)}
+    return sorted(once.values(), key=lambda campaign: campaign.name)
+
+
+def _targets(out: str | None, campaigns: "Sequence[Campaign]") -> list[Path | None]:
+    if out is None:
+        return [None] * len(campaigns)
+    names = [c.name.replace("/", "-").replace("\\", "-").strip(". ") for c in campaigns]
+    for name, times in Counter(names).items():
+        if times > 1:
+            raise InputError(
+                f"There are {times} campaigns named {name}, and {out} can hold one {name}.json: "
+                "give them in runs of their own."
+            )
+    return [Path(out, f"{name or 'campaign'}.json") for name in names]
+
+
+def _cells(result: Mapping[str, Any]) -> list[str]:
+    gap, causes = result["gap"], reading.causes(result)
+    shrink = percent(gap["shrink"])
+    if gap["shrink_ci95"]:
+        shrink += f" ({percents(gap['shrink_ci95'])})"
+    errors = [
+        " → ".join(angle(gap[state][kind]) for state in ("before", "after"))
+        if causes
+        else angle(gap["before"][kind])
+        for kind in ("windowed", "free_run")
+    ]
+    named = ", ".join(cause["effect"] for cause in causes) or MISSING
+    seconds = number(result["provenance"]["wall_s"], 2)
+    return [
+        result["campaign"], result["verdict"], named, shrink, *errors,
+        angle(reading.floor(result)), seconds,
+    ]  # fmt: skip
+
+
+def _row(cells: Any) -> str:
+    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
+
+
+def _circumstances(seed: int) -> str:
+    import jax
+
+    from tp_jax._version import __version__
+
+    processor = platform.processor() or platform.machine() or "unknown processor"
+    return (
+        f"{datetime.date.today().isoformat()}; {processor}, {os.cpu_count()} CPUs, "
+        f"{platform.system()}; JAX on {jax.default_backend()}; Python "
+        f"{platform.python_version()}, JAX {jax.__version__}, tp-jax {__version__}; seed {seed}. "
+        "Seconds include what had to be compiled."
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
