@@ -51,7 +51,7 @@ FORMULAS: dict[str, tuple[str, Callable[..., float]]] = {
         1 + a * math.cos(n * q.phi2) + b * math.sin(n * q.phi2))),
     "contact_wear": ("MT", lambda q, a: q.Tv * q.v2 + q.dry2 * (1 + a * q.s)),
     # M1 (S + a |S|) of the bearing on the dry terms: both change by the same part of themselves
-    "contact_asymmetry": ("MT", lambda q, a: q.Tv * q.v2 + q.dry2 * (1 + a * q.S2)),
+    "contact_asymmetry": ("MT", lambda q, a: q.Tv * q.v2 + q.dry2 + a * abs(q.dry2)),
     "contact_vibration": ("MT", lambda q, a, b, W: q.Tv * q.v2 + q.dry2 * (
         1 + a * math.cos(2 * math.pi * W * q.t) + b * math.sin(2 * math.pi * W * q.t))),
     "contact_cogging": ("MT", lambda q, a, b, n: (

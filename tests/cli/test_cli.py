@@ -326,7 +326,7 @@ def test_diagnose(any_campaign, capsys, monkeypatch, tmp_path):
     assert json.loads((folder / "diagnosis.json").read_text())["gap"] == {"after": None}
     assert "None" in (folder / "report.html").read_text()
     told = capsys.readouterr().out
-    assert told.startswith("a table\n")
+    assert told.startswith("There is no verdict\n")
     assert told.rstrip().split("\n")[-1].endswith("a rig-of ours-diagnosis/report.html")
 
     assert main(["diagnose", "c", "--out", "there", "--json", "-"]) == 0
