@@ -18,6 +18,7 @@ log = logging.getLogger(__name__)
 
 LEVEL = 0.05  # family-wise level of the test of structure
 REFITTED = (6, 4, 4)  # candidates refitted in each round
+ALWAYS, SETTLED = 3, 0.05  # once so many are refitted and so little of the gap is left, stop
 EARNS = 2.5  # standard errors by which a cause must lower the left-out cost
 TIE, TIE_PART = 2.0, 0.1  # tied: within two standard errors, and within a tenth of the gain
 LONGER = 2  # times that windows are made three times as long, where that is done
@@ -85,6 +86,9 @@ def choose(
         gains: dict[str, tuple[float, float]] = {}
         ranked = seen.best()[: REFITTED[n]]
         for i, s in enumerate(ranked):
+            left = min((removable(r.fit) for r in refits.values()), default=np.inf)
+            if i >= ALWAYS and left < SETTLED * noise_only:
+                break
             progress(f"refitting with {s.id}", i / len(ranked))
             trial = refit(setting, current.fit, [*current.variants, s.variant])
             refits[s.id] = trial

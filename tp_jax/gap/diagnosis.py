@@ -9,7 +9,6 @@ import numpy as np
 
 from tp_jax._version import __version__
 from tp_jax.effects import catalogue
-from tp_jax.effects import get as get_effect
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.intervals import intervals
@@ -18,10 +17,11 @@ from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.choice import Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
-from tp_jax.gap.free_run import free_run, rms, start_state
-from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, floor_square, shrink
+from tp_jax.gap.free_run import free_run, start_state
+from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.refit import Refit, removable
+from tp_jax.gap.screen import Scored
 from tp_jax.gap.verdict import verdict
 from tp_jax.recordings import Campaign, hold_out
 
@@ -329,7 +329,7 @@ def _next(setting: Setting, choice: Choice, no_gap: bool) -> dict | None:
         return None
     scored = {s.id: s for s in best}
     rivals = sorted(
-        (s for s in best if s.id != lead),
+        (s for s in best if s.id != lead and not _by_recording(s)),
         key=lambda s: -detectability.cosine(first.screen, scored[lead], s),
     )
     for rival in rivals[:1]:
@@ -337,6 +337,11 @@ def _next(setting: Setting, choice: Choice, no_gap: bool) -> dict | None:
         if found is not None:
             return {**dataclasses.asdict(found), "separates": list(found.separates)}
     return None
+
+
+def _by_recording(scored: Scored) -> bool:
+    """Whether its amplitudes belong to recordings, so that one more run says nothing of them."""
+    return any(u.recording is not None for u in scored.variant.unknowns)
 
 
 def _recordings(setting: Setting, before: dict, after: dict, explained: bool) -> list[dict]:
@@ -426,5 +431,3 @@ def _notes(setting: Setting, baseline: Fit, final: Refit, word: str) -> list[str
         notes.append("No effect of the catalogue explains the gap; what is named holds part of it.")
     return notes
 
-
-__all__ = ["Diagnosis", "diagnose", "floor_square", "get_effect", "rms"]

@@ -60,10 +60,3 @@ def _simulate_readings(model, t, x0):
     states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
     y1, y2 = model.readings(motion.t, states)
     return jax.numpy.stack([y1, y2], axis=1)
-
-
-def rms(setting: Setting, recording: int, predicted: np.ndarray) -> float:
-    """Root of the mean over channels of the mean squared errors [rad]: sqrt of (17)."""
-    p = setting.prepared[recording]
-    error = (predicted - p.y)[:, p.channels]
-    return float(np.sqrt((error**2).mean(axis=0).mean()))

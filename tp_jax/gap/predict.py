@@ -8,6 +8,7 @@ import numpy as np
 
 from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import drive_for, pendulum
+from tp_jax.model.pendulum import SingleTorsionPendulum
 from tp_jax.recordings import load_campaign, local_polynomial
 from tp_jax.simulation.solve import Trajectory, simulate
 
@@ -36,7 +37,8 @@ def predict(
         model: "before" or "after".
 
     Returns:
-        A `Trajectory` whose angles are readings (zero offsets and sensor effects included).
+        A `Trajectory` whose angles are readings (zero offsets and sensor effects included);
+        phi2 is None for a single pendulum.
 
     Raises:
         InputError: in one sentence, what is wrong with the arguments or the diagnosis.
@@ -76,7 +78,8 @@ def readings_of(model, t: np.ndarray, x0: np.ndarray) -> Trajectory:
     motion = simulate(model, t, x0, rtol=1e-8, atol=1e-9)
     states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
     y1, y2 = model.readings(motion.t, states)
-    return motion._replace(phi1=y1, phi2=y2)
+    single = isinstance(model, SingleTorsionPendulum)
+    return motion._replace(phi1=y1, phi2=None if single else y2)
 
 
 def _of_recording(diagnosis, record, file: Path, duration, rate) -> Trajectory:
