@@ -4,7 +4,7 @@
 
     campaign = tp.load_campaign("case-02")  # a folder with a campaign.toml
     diagnosis = tp.diagnose(campaign)       # where the gap lies, its cause, how far it shrinks
-    print(diagnosis.summary())
+    print(tp.report.summary(diagnosis.to_dict()))
 
 The names below are looked up when first used, so that `import tp_jax` costs nothing and JAX is
 told to compute in 64 bits before any of its arrays exists.
@@ -22,6 +22,7 @@ from tp_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from tp_jax import effects as effects
+    from tp_jax import report as report
     from tp_jax.errors import InputError as InputError
     from tp_jax.estimation.identify import identify as identify
     from tp_jax.gap.diagnosis import Diagnosis as Diagnosis
@@ -52,6 +53,7 @@ _WITH_JAX = {
     "Trajectory": ("tp_jax.simulation.solve", "Trajectory"),
     "diagnose": ("tp_jax.gap.diagnosis", "diagnose"),
     "effects": ("tp_jax.effects", None),
+    "report": ("tp_jax.report", None),
     "identify": ("tp_jax.estimation.identify", "identify"),
     "predict": ("tp_jax.gap.predict", "predict"),
     "presets": ("tp_jax.model.presets", None),
@@ -74,6 +76,7 @@ __all__ = [
     "load_campaign",
     "predict",
     "presets",
+    "report",
     "simulate",
 ]
 

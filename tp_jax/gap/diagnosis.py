@@ -22,11 +22,11 @@ from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.screen import Scored
+from tp_jax.gap.series import curves, recordings, residuals
 from tp_jax.gap.verdict import verdict
 from tp_jax.recordings import Campaign, hold_out
 
 SCHEMA = "tp-jax/diagnosis/1"
-THINNED = 600  # points of a curve in the result
 
 
 @dataclasses.dataclass(frozen=True)
@@ -151,9 +151,9 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         },
         "parameters": intervals(final.fit, setting),
         "next_experiment": _next(setting, choice, no_gap),
-        "recordings": _recordings(setting, start_before, start_after, bool(ids)),
-        "curves": _curves(setting, free_before, free_after if ids else None),
-        "residuals": _residuals(setting, before, after if ids else None),
+        "recordings": recordings(setting, start_before, start_after, bool(ids)),
+        "curves": curves(setting, free_before, free_after if ids else None),
+        "residuals": residuals(setting, before, after if ids else None),
         "notes": _notes(setting, baseline, final, word),
     }
 
@@ -344,72 +344,6 @@ def _by_recording(scored: Scored) -> bool:
     return any(u.recording is not None for u in scored.variant.unknowns)
 
 
-def _recordings(setting: Setting, before: dict, after: dict, explained: bool) -> list[dict]:
-    rows = []
-    for i, r in enumerate(setting.recordings):
-        start = {}
-        if i in before:
-            start = {"before": before[i].tolist()}
-            if explained:
-                start["after"] = after[i].tolist()
-        rows.append(
-            {
-                "label": r.label, "file": r.name, "sha256": r.sha256, "held_out": r.held_out,
-                "forced": r.forced, "omega": r.omega, "begin": float(r.t[0]),
-                "duration": r.duration, "samples": r.n, "start": start,
-            }
-        )  # fmt: skip
-    return rows
-
-
-def _thin(n: int) -> np.ndarray:
-    return np.unique(np.linspace(0, n - 1, min(n, THINNED)).round().astype(int))
-
-
-def _curves(setting: Setting, before: dict, after: dict | None) -> list[dict]:
-    out = []
-    for i in setting.held_out:
-        p = setting.prepared[i]
-        keep = _thin(p.t.size)
-        row: dict[str, Any] = {"recording": setting.recordings[i].label, "t": p.t[keep].tolist()}
-        for c, name in enumerate(("phi1", "phi2")):
-            row[name] = None
-            if p.channels[c]:
-                row[name] = {
-                    "measured": p.y[keep, c].tolist(),
-                    "before": before[i][keep, c].tolist(),
-                    "after": None if after is None else after[i][keep, c].tolist(),
-                }
-        out.append(row)
-    return out
-
-
-def _residuals(setting: Setting, before: HeldOut, after: HeldOut | None) -> list[dict]:
-    out = []
-    windows = before.fit.problem.windows
-    for i in setting.held_out:
-        p = setting.prepared[i]
-        mine = np.flatnonzero(windows.recording == i)
-        series = {}
-        for name, held in (("before", before), ("after", after)):
-            if held is None:
-                series[name] = None
-                continue
-            r = held.fit.linearisation.r
-            rows = [r[j, : 2 * windows.count[j]].reshape(-1, 2) for j in mine]
-            series[name] = np.concatenate(rows)
-        keep = _thin(p.t.size)
-        row: dict[str, Any] = {"recording": setting.recordings[i].label, "t": p.t[keep].tolist()}
-        for c, name in enumerate(("phi1", "phi2")):
-            row[name] = None
-            if p.channels[c]:
-                row[name] = {
-                    k: None if x is None else x[keep, c].tolist() for k, x in series.items()
-                }
-        out.append(row)
-    return out
-
-
 def _notes(setting: Setting, baseline: Fit, final: Refit, word: str) -> list[str]:
     notes = []
     if setting.campaign.B1 is None:
@@ -430,4 +364,3 @@ def _notes(setting: Setting, baseline: Fit, final: Refit, word: str) -> list[str
     if word == "unknown":
         notes.append("No effect of the catalogue explains the gap; what is named holds part of it.")
     return notes
-
