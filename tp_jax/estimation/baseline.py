@@ -17,7 +17,7 @@ from tp_jax.estimation.least_squares import Anchor, Fit, fit
 from tp_jax.estimation.problem import Problem, sample_capacity
 from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.windows import Prepared, Windows, cut, prepare
-from tp_jax.model.parameters import BY_NAME, DEFAULT_EPS, PAPER_EPS
+from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
 from tp_jax.recordings import Campaign, Recording, noise_floor
 
@@ -100,11 +100,10 @@ class Setting:
 
     def unknowns(self) -> tuple[Unknown, ...]:
         """The baseline's unknowns and the nuisances that go with it."""
-        names = ["k", "c1", "M1"]
-        if self.rider:
-            names += RIDER
+        absent = (() if self.rider else RIDER) + (() if self.sine else ("A",))
+        names = [p.name for p in BASE if p.free and p.name not in absent]
         if self.sine:
-            names += ["A", "phase", "zero1"]
+            names += ["phase", "zero1"]
         if any(r.measured_drive for r in self.recordings):
             names += ["gain", "level"]
         elif not self.sine:

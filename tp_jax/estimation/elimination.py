@@ -41,9 +41,10 @@ def eliminate(
     huu = ut @ jac
     gu = (ut @ r[:, :, None])[..., 0]
     diagonal = np.einsum("wii->wi", hxx)
-    hxx = hxx + (damping * diagonal + 1e-12 * diagonal.max(axis=1, keepdims=True))[
-        :, :, None
-    ] * np.eye(hxx.shape[1])
+    largest = diagonal.max(axis=1, keepdims=True)
+    # A window that says nothing (it could not be integrated) keeps its state where it is.
+    floor = np.where(largest > 0.0, 1e-12 * largest, 1.0)
+    hxx = hxx + (damping * diagonal + floor)[:, :, None] * np.eye(hxx.shape[1])
     solved = np.linalg.solve(hxx, np.concatenate([gx[..., None], hxu], axis=2))
     step, gain = -solved[..., 0], -solved[..., 1:]
     g = gu + np.einsum("wxu,wx->wu", hxu, step)

@@ -214,6 +214,8 @@ class Problem:
                 states_jac[i, -4:] = prior_jac[lane, at, :, :4]
                 states[i, :c], complete[i] = y[lane, span], done[lane]
                 valid[i, : 2 * c] = weight[span, :, lane].reshape(-1) > 0
+        for a in (r, states_jac, slots_jac):  # what is not finite must not spoil the rest
+            a[~complete] = 0.0
         return Linearisation(
             r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording
         )

@@ -25,6 +25,7 @@ class Parameter:
         per_inertia: whether it scales with B1 (inertias and torques do).
         scope: one value per "campaign", or one per "recording".
         typical: size of a typical step, for scaling.
+        free: whether it is estimated unless somebody fixes it.
         description: one line.
     """
 
@@ -36,6 +37,7 @@ class Parameter:
     per_inertia: bool = False
     scope: Literal["campaign", "recording"] = "campaign"
     typical: float = 1.0
+    free: bool = True
     description: str = ""
 
     def scaled(self, B1: float) -> "Parameter":
@@ -70,7 +72,9 @@ _VISCOUS = dict(unit="N m s/rad", per_inertia=True)
 #: The physical parameters of equations (3b), (5), (6) and (16), in the order of Listing 1 where
 #: they stand there.
 BASE = (
-    Parameter("B1", "kg m^2", 1e-5, 1e-1, "log", True, description="inertia of the column"),
+    Parameter(
+        "B1", "kg m^2", 1e-5, 1e-1, "log", True, free=False, description="inertia of the column"
+    ),
     Parameter("B2", "kg m^2", 1e-5, 1e-1, "log", True, description="inertia of the rider"),
     Parameter(
         "k", "N m/rad", 1e-5, 1e2, "log", True, description="stiffness of the torsion spring"
@@ -89,7 +93,7 @@ BASE = (
         "Ts1", lower=0.0, upper=1.0, typical=1e-2, **_TORQUE, description="dry contact friction"
     ),
     Parameter(
-        "Ts2", lower=0.0, upper=1.0, typical=1e-2, **_TORQUE,
+        "Ts2", lower=0.0, upper=1.0, typical=1e-2, free=False, **_TORQUE,
         description="contact friction at rest; without effect on any motion",
     ),
     Parameter(
@@ -99,11 +103,27 @@ BASE = (
     Parameter("T0", "s/rad", 0.05, 1e3, "log", description="rate at which Tst rises"),
 )  # fmt: skip
 
-#: Settings: never estimated.
+#: Settings, never estimated.
 SETTINGS = (
-    Parameter("eps1", "s", 1.0, 1e7, "log", description="smoothing of the bearing's dry friction"),
-    Parameter("eps2", "s", 1.0, 1e7, "log", description="smoothing of the contact's dry friction"),
-    Parameter("reaction", "1", 1.0, 2.0, description="factor of M_T in (16a)"),
+    Parameter(
+        "eps1",
+        "s",
+        1.0,
+        1e7,
+        "log",
+        free=False,
+        description="smoothing of the bearing's dry friction",
+    ),
+    Parameter(
+        "eps2",
+        "s",
+        1.0,
+        1e7,
+        "log",
+        free=False,
+        description="smoothing of the contact's dry friction",
+    ),
+    Parameter("reaction", "1", 1.0, 2.0, free=False, description="factor of M_T in (16a)"),
 )
 
 #: Nuisances: what a rig has and nobody asks about.
@@ -118,7 +138,7 @@ NUISANCES = (
         typical=0.1,
         description="rest position, as read, under a measured drive",
     ),
-    Parameter("zero1", "rad", -1.0, 1.0, typical=0.01, description="zero of phi1"),
+    Parameter("zero1", "rad", -7.0, 7.0, typical=0.01, description="zero of phi1"),
     Parameter(
         "zero2", "rad", -7.0, 7.0, typical=0.1, scope="recording", description="zero of phi2"
     ),
