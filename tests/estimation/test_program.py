@@ -1,13 +1,14 @@
 """One compiled program serves the baseline and every effect."""
 
 from tests.rigs import bench_problem, bench_values, whole_layout
+from tp_jax.effects.base import HOOKS
 from tp_jax.estimation import program
 from tp_jax.estimation.problem import DIRECTIONS
 
 
 def test_one_trace_serves_all():
     layout, values = whole_layout(), bench_values()
-    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes)
+    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes(frozenset(HOOKS)))
     assert len(amplitudes) > 2 * DIRECTIONS
     problem = bench_problem(0.25, (0, 1))
     problem.linearise(values, problem.initial_states(), ("k",))
@@ -30,7 +31,7 @@ def test_one_trace_serves_all():
 def test_slots_beyond_a_portion_are_the_same_as_alone():
     problem, values = bench_problem(0.25, (1, 9)), bench_values()
     layout = whole_layout()
-    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes)
+    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes(frozenset(HOOKS)))
     states = problem.initial_states()
     every = problem.linearise(values, states, amplitudes).slots_jac
     last = problem.linearise(values, states, amplitudes[-1:]).slots_jac

@@ -69,24 +69,36 @@ class Layout:
         """Name to slot."""
         return {p.name: i for i, p in enumerate(self.parameters)}
 
-    @functools.cached_property
-    def amplitudes(self) -> tuple[int, ...]:
-        """Slots of the effects' amplitudes."""
-        names = [e.qualified(a.name) for e in self.effects for a in e.amplitudes]
-        return tuple(self.index[n] for n in names)
-
-    @functools.cached_property
-    def bare(self) -> "Layout":
-        """The layout without effects; its slots come first in this one's."""
-        return Layout(self.kind, ())
+    def amplitudes(self, hooks: frozenset[str]) -> tuple[int, ...]:
+        """Slots of the amplitudes of the effects at some hooks."""
+        return tuple(
+            self.index[e.qualified(a.name)]
+            for e in self.effects
+            if e.hook in hooks
+            for a in e.amplitudes
+        )
 
     @property
     def n_states(self) -> int:
         """Number of states."""
         return 4 + sum(e.n_states for e in self.effects)
 
-    def model(self, p: Sequence, piece=None, left=None) -> AbstractTorsionPendulum:
-        """A pendulum whose fields are the slots' arrays; `piece`, `left` of a measured drive."""
+    def depends(self, hooks: frozenset[str]) -> tuple[int, ...]:
+        """Slots on which a model with the effects at some hooks depends."""
+        others = [e for e in self.effects if e.hook not in hooks]
+        names = {e.qualified(x.name) for e in others for x in (*e.amplitudes, *e.shapes)}
+        return tuple(i for i, p in enumerate(self.parameters) if p.name not in names)
+
+    def model(
+        self, p: Sequence, piece=None, left=None, hooks: frozenset[str] | None = None
+    ) -> AbstractTorsionPendulum:
+        """A pendulum whose fields are the slots' arrays.
+
+        Args:
+            p: one array per slot.
+            piece, left: coefficients and left edge of a measured drive's piece.
+            hooks: the effects to carry, by their hooks; all if None.
+        """
         v = dict(zip(self.index, p, strict=True))
         zero = 0.0 * v["B1"]
         drive = LanewiseDrive(
@@ -100,6 +112,7 @@ class Layout:
         terms = tuple(
             Applied(e, {a.name: v[e.qualified(a.name)] for a in (*e.amplitudes, *e.shapes)})
             for e in self.effects
+            if hooks is None or e.hook in hooks
         )
         shared = dict(
             drive=drive,

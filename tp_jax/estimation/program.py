@@ -8,7 +8,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax.estimation.layout import Layout
-from tp_jax.simulation.lanes import Lanes, Tolerances, integrate
+from tp_jax.simulation.lanes import Lanes, Motion, Tolerances, integrate
+
+NONE = frozenset[str]()
+CONTACT = frozenset({"contact"})
+SENSORS = frozenset({"sensor1", "sensor2", "clock"})
+COLUMN = frozenset({"clock", "phase", "drive", "spring", "bearing", "column"})
 
 TRACES: list[tuple] = []  # one entry per trace; tests count them
 
@@ -69,17 +74,20 @@ def linearise(
     TRACES.append((layout, p.shape, block.ts.shape, directions.shape))
     slots = tuple(p)
 
-    def field(t, y, q, piece, left):
-        return layout.model(q, piece, left).derivative(t, y)
+    def motion(hooks):
+        def field(t, y, q, piece, left):
+            return layout.model(q, piece, left, hooks).derivative(t, y)
 
-    def plain(t, y, q, piece, left):
-        return layout.bare.model(q[: len(layout.bare.parameters)], piece, left).derivative(t, y)
+        return Motion(field, layout.depends(hooks))
 
-    amplitudes = jnp.asarray(layout.amplitudes, int)
-    bare = ~jnp.any(p[amplitudes] != 0.0) & ~jnp.any(jnp.isin(directions, amplitudes))
+    # The motion is integrated without the effects that are null and not differentiated by: those
+    # of the sensors never matter to it, those of the contact and of the rest may or may not.
+    groups = (CONTACT, COLUMN)
+    motions = [motion(NONE), motion(CONTACT), motion(COLUMN), motion(CONTACT | COLUMN)]
+    choice = sum(2**i * _active(layout, g, p, directions) for i, g in enumerate(groups))
     eps = (layout.index["eps1"], layout.index["eps2"])
     lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
-    run = integrate(field, plain, slots, lanes, eps, bare, directions, tolerances)
+    run = integrate(motions, slots, lanes, eps, choice, directions, tolerances)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))  # components (n, L)
     if block.pieces is None:
         piece, left = None, None
@@ -97,7 +105,9 @@ def linearise(
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
         return jnp.concatenate([h, dh])
 
-    value, by_state, by_slot = _derivatives(readings, block.ts, y, wide)
+    # What acts on the motion alone reaches the readings through the states only.
+    depends = layout.depends(SENSORS)
+    value, by_state, by_slot = _derivatives(readings, block.ts, y, wide, depends)
     s = run.s.transpose(2, 3, 1, 0)  # (c, m, n, L)
     jac = sum(by_state[k][:, None] * s[k][None] for k in range(len(y)))  # (4, m, n, L)
     nc = len(y)
@@ -117,15 +127,25 @@ def linearise(
     )
 
 
-def _derivatives(f, t, y, q):
+def _active(layout: Layout, hooks: frozenset[str], p: Array, directions: Array) -> Array:
+    """Whether any effect at these hooks has an amplitude or is differentiated by (0 or 1)."""
+    mine = jnp.asarray(layout.amplitudes(hooks), int)
+    active = jnp.any(p[mine] != 0.0) | jnp.any(jnp.isin(directions, mine))
+    return active.astype(int)
+
+
+def _derivatives(f, t, y, q, depends):
     """Value, derivatives by component and by slot of `f(t, y, q)`, one tangent at a time."""
     one = jnp.ones_like(t)
+    value = f(t, y, q)
     by_state = [
         jax.jvp(lambda x, k=k: f(t, (*y[:k], x, *y[k + 1 :]), q), (y[k],), (one,))[1]
         for k in range(len(y))
     ]
     by_slot = [
         jax.jvp(lambda x, k=k: f(t, y, (*q[:k], x, *q[k + 1 :])), (q[k],), (one,))[1]
+        if k in depends
+        else jnp.zeros_like(value)
         for k in range(len(q))
     ]
-    return f(t, y, q), by_state, jnp.stack(by_slot, axis=1)
+    return value, by_state, jnp.stack(by_slot, axis=1)

@@ -15,7 +15,7 @@ over a reversal can have a small error and a tangent that never saw the reversal
 makes every step resolve the layer in which the sign changes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
@@ -56,6 +56,17 @@ class Lanes(NamedTuple):
     pieces: Float[Array, "n-1 4 L"] | None
 
 
+class Motion(NamedTuple):
+    """A vector field and the places in `p` that it depends on.
+
+    field(t, y, p, piece, left) gives the derivatives of y, elementwise over lanes; y and p are
+    tuples of arrays (L,).
+    """
+
+    field: Field
+    depends: tuple[int, ...]
+
+
 class Integrated(NamedTuple):
     """States and tangents at the samples, lanes first.
 
@@ -71,12 +82,11 @@ class Integrated(NamedTuple):
 
 
 def integrate(
-    field: Field,
-    plain: Field,
+    motions: Sequence[Motion],
     p: tuple[Float[Array, " L"], ...],
     lanes: Lanes,
     eps: tuple[int, int],
-    bare: Bool[Array, ""],
+    choice: Int[Array, ""],
     directions: Int[Array, " d"],
     tolerances: Tolerances = Tolerances(),  # noqa: B008
     max_steps: int = 20_000,
@@ -84,12 +94,12 @@ def integrate(
     """Integrates all lanes over their samples.
 
     Args:
-        field: derivative of the state's components, elementwise over lanes.
-        plain: the same without effects; used where no effect has an amplitude or a direction.
+        motions: vector fields, each with some of the effects.
         p: every parameter of the model, one value per lane.
         lanes: sample times and window starts.
         eps: places in `p` of the two smoothing slopes.
-        bare: whether `plain` is enough; data, so that one program serves both.
+        choice: which of the motions; data, so that one program serves all. Most of a step's cost
+            is effects.
         directions: places in `p` of the parameters to differentiate by; data, not structure.
         tolerances: see `Tolerances`.
         max_steps: limit of loop passes; what is unfinished then is marked.
@@ -105,7 +115,7 @@ def integrate(
     weights = jnp.array([tolerances.angle] * 2 + [tolerances.velocity] * 2)
     weights = jnp.concatenate([weights, jnp.full(nc - 4, tolerances.angle)])[:, None]
     partials = jax.jit(_partials, static_argnums=0)
-    step = _make_step(_switched(field, plain, partials, bare), directions)
+    step = _make_step(_switched(motions, partials, choice), directions)
 
     first = 0.1 * (lanes.ts[1] - lanes.ts[0])
 
@@ -179,14 +189,15 @@ def integrate(
     return Integrated(end[6], end[7], end[8], end[2] >= lanes.count - 1)
 
 
-def _partials(field: Field, t, y, p, piece, left):
-    """Derivatives of the field with respect to each component and each parameter.
+def _partials(motion: Motion, t, y, p, piece, left):
+    """Derivatives of a field with respect to each component and each parameter.
 
     One tangent at a time, so that only what depends on it is differentiated.
 
     Returns:
         value (c, L); by state, a list of (c, L); by parameter (c, P, L).
     """
+    field = motion.field
     value = jnp.stack(field(t, y, p, piece, left))
     one = jnp.ones_like(t)
 
@@ -195,6 +206,8 @@ def _partials(field: Field, t, y, p, piece, left):
         return jax.jvp(f, (y[k],), (one,))[1]
 
     def by_parameter(k):
+        if k not in motion.depends:
+            return jnp.zeros_like(value)
         f = lambda x: jnp.stack(field(t, y, (*p[:k], x, *p[k + 1 :]), piece, left))  # noqa: E731
         return jax.jvp(f, (p[k],), (one,))[1]
 
@@ -203,15 +216,10 @@ def _partials(field: Field, t, y, p, piece, left):
     return value, states, parameters
 
 
-def _switched(field: Field, plain: Field, partials: Callable, bare: Array) -> Callable:
-    """Partials of the plain field where that is enough: most of a step's cost is effects."""
-
-    def either(*args):
-        return jax.lax.cond(
-            bare, lambda *a: partials(plain, *a), lambda *a: partials(field, *a), *args
-        )
-
-    return either
+def _switched(motions: Sequence[Motion], partials: Callable, choice: Array) -> Callable:
+    """Partials of the chosen motion."""
+    branches = [lambda *a, m=m: partials(m, *a) for m in motions]
+    return lambda *args: jax.lax.switch(choice, branches, *args)
 
 
 def _make_step(partials: Callable, directions: Array) -> Callable:
