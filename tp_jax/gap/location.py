@@ -46,7 +46,7 @@ def locate(choice: Choice) -> list[Share]:
         sum_drops = sum(drops.values())
         for place, drop in drops.items():
             parts[place] = parts.get(place, 0.0) + left * drop / max(sum_drops, 1e-12)
-            when.setdefault(place, "not resolved in time or state")
+            when.setdefault(place, "at no particular time or speed that was looked at")
     norm = sum(parts.values())
     ranked = sorted(parts.items(), key=lambda kv: -kv[1])
     return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]
