@@ -59,9 +59,9 @@ def test_result_is_plain_json_without_nan(short_diagnosis):
 def test_one_program_served_baseline_screen_and_refits(short_diagnosis):
     d = short_diagnosis.to_dict()
     assert len(d["candidates"]) > 20
-    shapes = {t[1:] for t in TRACES if len(t[0].effects) > 0 and t[0].kind == "double"}
-    mine = [t for t in TRACES if t[0].kind == "double" and t[2][0] == 256]
-    assert len(mine) <= len(shapes)  # never twice for the same shapes
+    whole = [t for t in TRACES if {e.id for e in t[0].effects} == set(tp.effects.catalogue())]
+    assert whole
+    assert len(whole) == len(set(whole))  # never twice for the same layout and shapes
 
 
 def test_prediction_of_a_run_never_seen(short_campaign, short_diagnosis):

@@ -71,7 +71,8 @@ def linearise(
         block: the data.
         directions: slots to differentiate by.
     """
-    TRACES.append((layout, p.shape, block.ts.shape, directions.shape))
+    kind = (tolerances, block.pieces is None)
+    TRACES.append((layout, p.shape, block.ts.shape, directions.shape, kind))
     slots = tuple(p)
 
     def motion(hooks):
