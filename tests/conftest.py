@@ -9,8 +9,9 @@ from hypothesis import settings
 # as the command line does, and like it before equinox is imported
 os.environ.setdefault("EQX_ON_ERROR", "nan")
 
-from tp_jax._config import use_float64
+from tp_jax._config import compile_small_loops, use_float64
 
+compile_small_loops()
 use_float64()
 
 ROOT = Path(__file__).parent.parent

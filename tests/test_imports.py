@@ -27,6 +27,7 @@ ALLOWED: dict[str, set[str]] = {
     # its simulator is to be independent of the model it puts to the test
     "rig": {"recordings", "acquisition"},
     "report": {"model", "effects", "simulation", "recordings", "estimation", "sensitivity", "gap"},
+    "blind": {"effects", "recordings", "estimation", "gap", "rig"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}
 ALLOWED["__main__"] = {"cli"}

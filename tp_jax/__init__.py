@@ -35,8 +35,12 @@ if TYPE_CHECKING:
     from tp_jax.recordings import CampaignError as CampaignError
     from tp_jax.recordings import Recording as Recording
     from tp_jax.recordings import load_campaign as load_campaign
+    from tp_jax.simulation.sensitivities import Sensitivities as Sensitivities
+    from tp_jax.simulation.sensitivities import sensitivities as sensitivities
     from tp_jax.simulation.solve import Trajectory as Trajectory
     from tp_jax.simulation.solve import simulate as simulate
+    from tp_jax.simulation.sweep import Sweep as Sweep
+    from tp_jax.simulation.sweep import sweep as sweep
 
 # name -> (module, attribute; None for the module itself)
 _WITHOUT_JAX = {
@@ -49,7 +53,9 @@ _WITHOUT_JAX = {
 _WITH_JAX = {
     "Diagnosis": ("tp_jax.gap.diagnosis", "Diagnosis"),
     "DoubleTorsionPendulum": ("tp_jax.model.pendulum", "DoubleTorsionPendulum"),
+    "Sensitivities": ("tp_jax.simulation.sensitivities", "Sensitivities"),
     "SingleTorsionPendulum": ("tp_jax.model.pendulum", "SingleTorsionPendulum"),
+    "Sweep": ("tp_jax.simulation.sweep", "Sweep"),
     "Trajectory": ("tp_jax.simulation.solve", "Trajectory"),
     "diagnose": ("tp_jax.gap.diagnosis", "diagnose"),
     "effects": ("tp_jax.effects", None),
@@ -57,7 +63,9 @@ _WITH_JAX = {
     "identify": ("tp_jax.estimation.identify", "identify"),
     "predict": ("tp_jax.gap.predict", "predict"),
     "presets": ("tp_jax.model.presets", None),
+    "sensitivities": ("tp_jax.simulation.sensitivities", "sensitivities"),
     "simulate": ("tp_jax.simulation.solve", "simulate"),
+    "sweep": ("tp_jax.simulation.sweep", "sweep"),
 }
 
 __all__ = [
@@ -67,7 +75,9 @@ __all__ = [
     "DoubleTorsionPendulum",
     "InputError",
     "Recording",
+    "Sensitivities",
     "SingleTorsionPendulum",
+    "Sweep",
     "Trajectory",
     "__version__",
     "diagnose",
@@ -77,14 +87,17 @@ __all__ = [
     "predict",
     "presets",
     "report",
+    "sensitivities",
     "simulate",
+    "sweep",
 ]
 
 
 def __getattr__(name: str) -> Any:
     if name in _WITH_JAX:
-        from tp_jax._config import use_float64
+        from tp_jax._config import compile_small_loops, use_float64
 
+        compile_small_loops()
         use_float64()
         module, attribute = _WITH_JAX[name]
     elif name in _WITHOUT_JAX:

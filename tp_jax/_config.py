@@ -4,7 +4,14 @@ A library that is merely imported should not change JAX for everybody else, so t
 one of the package's names that computes is first used (`tp_jax.__getattr__`), or in the command
 line. JAX itself is imported inside the functions: `tp-jax --help` does not wait for it.
 
-Two environment variables matter:
+Three environment variables matter:
+
+`XLA_FLAGS`
+    On a CPU, XLA runs a loop operation by operation, each an own call, unless what the loop
+    carries is small (a kilobyte); then it makes one piece of machine code of it. A simulation is
+    such a loop, and ten times faster in one piece, so the limit is raised here, before the first
+    program is compiled. It holds for all programs of the process. `TP_JAX_SMALL_LOOPS=off`
+    leaves it alone, and so does an `XLA_FLAGS` that sets the limit itself.
 
 `EQX_ON_ERROR`
     diffrax's checks of its own results keep a compiled program out of JAX's persistent cache
@@ -18,6 +25,9 @@ Two environment variables matter:
 import os
 from pathlib import Path
 
+SMALL_LOOP = 16_000_000
+"""Bytes that a loop may carry to count as small."""
+
 CACHED_ABOVE = 0.3
 """Seconds of compilation from which on a program is kept in the persistent cache."""
 
@@ -28,6 +38,18 @@ def use_float64() -> None:
 
     if not jax.config.read("jax_enable_x64"):
         jax.config.update("jax_enable_x64", True)
+
+
+def compile_small_loops() -> None:
+    """Let XLA compile loops as large as a simulation's in one piece (see above).
+
+    Options of this kind that a version of XLA does not know are ignored by it.
+    """
+    option = "xla_cpu_small_while_loop_byte_threshold"
+    flags = os.environ.get("XLA_FLAGS", "")
+    if option in flags or os.environ.get("TP_JAX_SMALL_LOOPS", "").lower() == "off":
+        return
+    os.environ["XLA_FLAGS"] = f"{flags} --xla_backend_extra_options={option}={SMALL_LOOP}".strip()
 
 
 def cache_folder() -> Path:

@@ -104,7 +104,7 @@ def single(x, ts, omega=7.0):
         drive=SineDrive(A=A, omega=omega), spring=LinearSpring(k), bearing=Bearing(c1, 0.0, 1e3),
         B1=B1,
     )  # fmt: skip
-    return simulate(model, ts, jnp.stack([phi, 0.0, v, 0.0]), rtol=1e-9, atol=1e-11)
+    return simulate(model, ts, jnp.stack([phi, 0.0, v, 0.0]), tolerance=1e-10)
 
 
 def test_single_pendulum_is_a_damped_oscillator():
@@ -143,6 +143,27 @@ def test_single_pendulum_with_dry_friction():
 def test_times_must_be_a_row(ts):
     with pytest.raises(ValueError, match="Argument `ts` must"):
         simulate(presets.get("bench"), ts)
+
+
+@pytest.mark.parametrize("ts", [[1.0, 0.0], [0.0, 1.0, 1.0], [0.0, np.nan]])
+def test_times_must_increase(ts):
+    with pytest.raises(ValueError, match="Argument `ts` must increase"):
+        simulate(presets.get("bench"), ts)
+
+
+def test_many_pendulums_are_a_sweep():
+    model = presets.double_pendulum(**BENCH | {"k": np.ones(3)})
+    with pytest.raises(ValueError, match=r"must be one pendulum, .*; use `sweep`"):
+        simulate(model, TS)
+
+
+def test_what_takes_too_many_steps_ends_early():
+    run = simulate(presets.get("bench"), TS, Y0, max_steps=64)
+    there = np.isfinite(run.phi1).sum()
+    assert 1 <= there < TS.size
+    np.testing.assert_array_equal(run.phi1[there:], np.inf)
+    expected = reference(BENCH, TS[:there], Y0) if there > 1 else np.array([Y0])
+    np.testing.assert_allclose(run.phi2[:there], expected[:, 1], rtol=0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("y0", [0.0, [0.0, 0.0], np.zeros((4, 1)), np.zeros(5)])

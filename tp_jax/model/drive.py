@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from tp_jax.model.arrays import as_float
+from tp_jax.model.elementary import sine
 
 
 class AbstractDrive(eqx.Module):
@@ -54,7 +55,7 @@ class SineDrive(AbstractDrive):
         return self.omega * t + self.offset
 
     def angle(self, t, theta):  # noqa: ARG002
-        return self.A * jnp.sin(theta)
+        return self.A * sine(theta)
 
     @property
     def amplitude(self):
@@ -115,7 +116,7 @@ class LanewiseDrive(AbstractDrive):
 
     def angle(self, t, theta):
         reading = cubic(self.piece, t - self.left)
-        return self.A * jnp.sin(theta) + self.gain * reading
+        return self.A * sine(theta) + self.gain * reading
 
     @property
     def amplitude(self):

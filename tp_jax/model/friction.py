@@ -3,6 +3,8 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from tp_jax.model.elementary import arctan
+
 
 def smooth_sign(v: Float[Array, "..."], eps: Float[Array, "..."]) -> Float[Array, "..."]:
     """Smoothed sign of a velocity, `(2/pi) arctan(eps v)`.
@@ -14,7 +16,7 @@ def smooth_sign(v: Float[Array, "..."], eps: Float[Array, "..."]) -> Float[Array
 
     Source: Czerwinski, Olejnik, Awrejcewicz (2015), equation (5).
     """
-    return (2.0 / jnp.pi) * jnp.arctan(eps * v)
+    return (2.0 / jnp.pi) * arctan(eps * v)
 
 
 def rising_sign(v: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Array, "..."]:
@@ -27,5 +29,6 @@ def rising_sign(v: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Arra
     Source: equation (6), last term. The paper calls it the Stribeck effect; for a positive
     coefficient it rises with speed, a Stribeck drop needs a negative one.
     """
-    # -expm1(-x) keeps all digits for the tiny velocities of a stuck body.
-    return -jnp.expm1(-rate * jnp.abs(v)) * jnp.sign(v)
+    # `expm1` would keep more digits at tiny velocities, where this term is nothing beside the
+    # smoothed sign; it costs twice as much.
+    return (1.0 - jnp.exp(-rate * jnp.abs(v))) * jnp.sign(v)

@@ -174,9 +174,12 @@ class DoubleTorsionPendulum(AbstractTorsionPendulum):
         m.contact_viscous = self.contact.viscous(m.v2)
         m.contact = m.contact_dry + m.contact_viscous + self._sum("contact", m)
         m.B2 = self.B2
-        column = m.spring - m.bearing + self.reaction * m.contact + self._sum("column", m)
-        m.a1 = column / self.B1
-        m.a2 = -m.contact / self.B2 - m.a1
+        # The rider's own acceleration, negative, is what both equations share: a compiler that
+        # fuses them evaluates a sum anew for either, a quotient once.
+        rider = m.contact / self.B2
+        column = m.spring - m.bearing + self._sum("column", m)
+        m.a1 = column / self.B1 + self.reaction * (self.B2 / self.B1) * rider
+        m.a2 = -rider - m.a1
         return m
 
 

@@ -1,0 +1,70 @@
+"""The package's own engine: the only file that knows how it is called.
+
+Four functions, held to the same arguments and results as every peer's (`peer.Peer`), and `steps`
+for the robustness. Replace their insides, and nothing else, when the engine's calls change.
+What may be compiled is compiled in the first call for such shapes, which is never timed.
+"""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import tp_jax as tp
+from tp_jax.model.presets import double_pendulum
+
+from ..peer import Peer, cores
+from ..problem import NAMES
+
+NAME = "tp-jax"
+
+
+def _model(parameters, eps):
+    return double_pendulum(**dict(zip(NAMES, parameters, strict=True)), eps=eps)
+
+
+_models = jax.jit(jax.vmap(_model, in_axes=(0, None)))
+
+
+def run(parameters, eps, ts, tol):
+    """Angles (n, 2) [rad] of one run from rest.
+
+    parameters (11,) in the order of `problem.NAMES`, eps [s], ts (n,) [s], tol: the one number
+    that the work-precision diagram varies, whatever the engine makes of it.
+    """
+    return np.asarray(_run(parameters, eps, ts, tol))
+
+
+@jax.jit
+def _run(parameters, eps, ts, tol):
+    motion = tp.simulate(_model(parameters, eps), ts, tolerance=tol)
+    return jnp.stack([motion.phi1, motion.phi2], axis=1)
+
+
+def sweep(table, eps, ts, tol):
+    """Angles (lanes, n, 2) of the rows of `table` (lanes, 11), on all cores or on the GPU."""
+    done = tp.sweep(_models(np.asarray(table), eps), ts, tolerance=tol, velocities=False)
+    return np.stack([done.phi1, done.phi2], axis=-1)
+
+
+def sensitivities(parameters, eps, ts, tol):
+    """Derivatives (n, 2, 14) of `run`, columns as in `problem.DIRECTIONS`."""
+    found = tp.sensitivities(_model(parameters, eps), ts, tolerance=tol)
+    # theirs begin with the initial state
+    return np.roll(np.stack([found.phi1, found.phi2], axis=1), -4, axis=2)
+
+
+def steps(table, eps, ts, tol):
+    """For the rows of `table`: whether each run was completed (lanes,), and its steps (lanes,)."""
+    done = tp.sweep(_models(np.asarray(table), eps), ts, tolerance=tol, velocities=False)
+    finite = np.isfinite(done.phi1).all(axis=1) & np.isfinite(done.phi2).all(axis=1)
+    return done.complete & finite, done.steps
+
+
+def platform() -> str:
+    """Where JAX computes: "cpu", "gpu"."""
+    return jax.devices()[0].platform
+
+
+def make() -> Peer:
+    """The peer."""
+    return Peer(NAME, run, sweep, sensitivities, threads=cores())

@@ -1,0 +1,74 @@
+"""Settings of JAX: what the user has set stays."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tp_jax._config import SMALL_LOOP, compile_small_loops
+
+OPTION = "xla_cpu_small_while_loop_byte_threshold"
+FLAG = f"--xla_backend_extra_options={OPTION}={SMALL_LOOP}"
+
+
+@pytest.fixture
+def flags(monkeypatch):
+    """Sets the variables, makes the setting, and tells the flags."""
+
+    def made(before=None, switch=None):
+        for name, value in (("XLA_FLAGS", before), ("TP_JAX_SMALL_LOOPS", switch)):
+            if value is None:
+                monkeypatch.delenv(name, raising=False)
+            else:
+                monkeypatch.setenv(name, value)
+        compile_small_loops()
+        return os.environ.get("XLA_FLAGS")
+
+    return made
+
+
+@pytest.mark.parametrize("before", [None, ""])
+def test_small_loops_where_nothing_is_set(flags, before):
+    assert flags(before) == FLAG
+
+
+def test_small_loops_beside_what_is_set(flags):
+    own = "--xla_cpu_enable_fast_math=false --xla_dump_to=/tmp/x"
+    assert flags(own) == f"{own} {FLAG}"
+
+
+@pytest.mark.parametrize("value", [1024, SMALL_LOOP])
+def test_small_loops_leave_a_limit_of_ones_own(flags, value):
+    own = f"--xla_backend_extra_options={OPTION}={value}"
+    assert flags(own) == own
+
+
+def test_small_loops_a_second_time(flags):
+    assert flags(flags()) == FLAG
+
+
+@pytest.mark.parametrize("switch", ["off", "OFF"])
+def test_small_loops_switched_off(flags, switch):
+    assert flags(None, switch) is None
+    assert flags("--xla_dump_to=/tmp/x", switch) == "--xla_dump_to=/tmp/x"
+
+
+@pytest.mark.parametrize("switch", ["", "on"])
+def test_small_loops_not_switched_off(flags, switch):
+    assert flags(None, switch) == FLAG
+
+
+def test_using_a_name_sets_them_before_anything_is_compiled():
+    # beside an option of the same kind, which XLA has to take as well
+    code = (
+        "import tp_jax as tp; tp.presets; import os, jax.numpy as jnp; "
+        "assert float(jnp.ones(2).sum()) == 2.0; print(os.environ['XLA_FLAGS'])"
+    )
+    own = "--xla_backend_extra_options=xla_cpu_other_option=1"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True,
+        cwd=Path(__file__).parent.parent, env=os.environ | {"XLA_FLAGS": own},
+    )  # fmt: skip
+    assert done.stdout.split() == [own, FLAG]

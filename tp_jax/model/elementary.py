@@ -1,0 +1,83 @@
+"""Arctangent and sine that compilers can turn into vector instructions.
+
+On a CPU, XLA calls the C library for either, one number after the other: 8 ns each, which is
+most of what a friction law costs. The polynomials below need a sixth of it. Both agree with NumPy
+to 4e-16 (the sine: up to a million radians), and the arctangent to a few units in the last place.
+"""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+# Interpolation at Chebyshev nodes of arctan(sqrt w)/sqrt w on [0, tan^2(pi/8)], and of
+# sin(sqrt w)/sqrt w on [0, (pi/2)^2]: relative errors 3e-17 and 2e-19, computed to 40 digits.
+_ARCTAN = (
+    0.99999999999999996532, -0.33333333333328438572, 0.19999999998855110134,
+    -0.1428571418097646683, 0.1111110618045594522, -0.090907730748084137897,
+    0.076899534963068577563, -0.066402339304294085887, 0.056883492268090104794,
+    -0.043480522157164624777, 0.021135373157693245206,
+)  # fmt: skip
+_SINE = (
+    0.99999999999999999979, -0.16666666666666665307, 0.008333333333333186384,
+    -0.0001984126984120867517, 2.7557319211229606622e-6, -2.5052106890569519539e-8,
+    1.6058940878486559931e-10, -7.6430265579716326635e-13, 2.7215749422983442826e-15,
+)  # fmt: skip
+
+_TAN_EIGHTH = 0.41421356237309504880  # tan(pi/8)
+_TAN_SIXTEENTH = 0.19891236737965800691  # tan(pi/16)
+_EIGHTH = 0.39269908169872415481  # pi/8
+_QUARTER = 1.5707963267948966192  # pi/2
+# pi in two parts, the first short: multiples of it are exact.
+_PI_HIGH = 3.1415926534682512
+_PI_LOW = 1.2154201013012384e-10
+
+
+@jax.custom_jvp
+def arctan(x: Float[Array, "..."]) -> Float[Array, "..."]:
+    """Inverse tangent [rad], elementwise.
+
+    Args:
+        x: any real number; infinite ones give a quarter turn.
+    """
+    size = jnp.abs(x)
+    # One of x and 1/x is at most one; turned back by pi/8, where it is not small already (so that
+    # small ones keep their digits and zero stays zero), at most tan(pi/8) is left.
+    z = jnp.where(size > 1.0, 1.0 / size, size)
+    turned = z > _TAN_SIXTEENTH
+    z = jnp.where(turned, (z - _TAN_EIGHTH) / (1.0 + _TAN_EIGHTH * z), z)
+    angle = jnp.where(turned, _EIGHTH, 0.0) + z * _polynomial(_ARCTAN, z * z)
+    angle = jnp.where(size > 1.0, _QUARTER - angle, angle)
+    return jnp.where(x < 0.0, -angle, angle)
+
+
+@arctan.defjvp
+def _(primals, tangents):
+    (x,), (dx,) = primals, tangents
+    return arctan(x), dx / (1.0 + x * x)
+
+
+@jax.custom_jvp
+def sine(x: Float[Array, "..."]) -> Float[Array, "..."]:
+    """Sine of an angle [rad], elementwise.
+
+    Args:
+        x: angle [rad].
+    """
+    turns = jnp.floor(x / jnp.pi + 0.5)
+    rest = (x - turns * _PI_HIGH) - turns * _PI_LOW
+    odd = turns - 2.0 * jnp.floor(0.5 * turns)
+    return (1.0 - 2.0 * odd) * rest * _polynomial(_SINE, rest * rest)
+
+
+@sine.defjvp
+def _(primals, tangents):
+    (x,), (dx,) = primals, tangents
+    return sine(x), sine(x + _QUARTER) * dx
+
+
+def _polynomial(coefficients: tuple[float, ...], w: Array) -> Array:
+    """Value at `w`, lowest power first, by Horner's rule."""
+    total = jnp.full_like(w, coefficients[-1])
+    for c in coefficients[-2::-1]:
+        total = total * w + c
+    return total

@@ -1,0 +1,58 @@
+"""A pendulum taken apart into the numbers that the engine works with, and put together again."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from tp_jax.model.pendulum import AbstractTorsionPendulum
+from tp_jax.simulation.step import Field
+
+
+class Parts(NamedTuple):
+    """Numbers of a pendulum, or of many that differ in nothing but numbers.
+
+    names: of the numbers, by their place in the pendulum ("spring.k"); values: each () or (N,);
+    field: derivatives of the state with those numbers, elementwise over lanes; eps: places of the
+    two smoothing slopes in `values`; n_states: components of the state; template: a pendulum of
+    the same structure with all numbers zero, to compile for.
+    """
+
+    names: tuple[str, ...]
+    values: tuple[Array, ...]
+    field: Field
+    eps: tuple[int, int]
+    n_states: int
+    template: AbstractTorsionPendulum
+
+
+def take_apart(model: AbstractTorsionPendulum) -> Parts:
+    """Takes a pendulum apart.
+
+    Numbers are leaves of no axis, or of one that runs over the members of a batch. What has more
+    (the knots of a measured drive: `knots` and `coefficients`) belongs to the structure: shared
+    by all, and not differentiated by.
+    """
+    arrays, static = eqx.partition(model, eqx.is_inexact_array)
+    paths, tree = jax.tree_util.tree_flatten_with_path(arrays)
+    names = [jax.tree_util.keystr(path, simple=True, separator=".") for path, _ in paths]
+    leaves = [leaf for _, leaf in paths]
+    fixed = [name.rsplit(".")[-1] in ("knots", "coefficients") for name in names]
+    numbers = [i for i, f in enumerate(fixed) if not f]
+
+    def field(t, y, p):
+        whole = list(leaves)
+        for i, value in zip(numbers, p, strict=True):
+            whole[i] = value
+        return eqx.combine(jax.tree.unflatten(tree, whole), static).derivative(t, y)
+
+    zeros = [leaf if f else jnp.zeros(()) for leaf, f in zip(leaves, fixed, strict=True)]
+    template = eqx.combine(jax.tree.unflatten(tree, zeros), static)
+    kept = tuple(names[i] for i in numbers)
+    eps = tuple(kept.index(n) for n in ("bearing.eps", "contact.eps") if n in kept)
+    return Parts(
+        kept, tuple(jnp.asarray(leaves[i]) for i in numbers), field, (eps[0], eps[-1]),
+        model.n_states, template,
+    )  # fmt: skip

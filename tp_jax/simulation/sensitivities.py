@@ -1,0 +1,120 @@
+"""How a motion depends on the numbers of its pendulum, and whether to trust the answer."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from tp_jax.model.pendulum import AbstractTorsionPendulum
+from tp_jax.simulation.control import Control
+from tp_jax.simulation.parts import take_apart
+from tp_jax.simulation.runs import Ran, integrate
+from tp_jax.simulation.solve import Trajectory, checked, samples_per_step
+
+BASE = (
+    "spring.k", "drive.A", "B1", "B2", "bearing.c1", "bearing.M1", "contact.Tv", "contact.Ts1",
+    "contact.Tst", "contact.T0",
+)  # fmt: skip
+"""The paper's unknowns (11) but Ts2, which has no effect, by their place in the pendulum."""
+
+STATE = ("phi1(0)", "phi2(0)", "omega1(0)", "omega2(0)")
+
+DOUBTFUL = 0.1
+"""Estimated relative error from which on a derivative is not to be relied upon."""
+
+CHAOTIC = 1e3
+"""Growth of a disturbance of the start from which on no derivative of the run means much."""
+
+
+class Sensitivities(NamedTuple):
+    """What `sensitivities` returns.
+
+    motion: the run; names: (D,) what it is differentiated by, the initial state first; phi1,
+    phi2: (n, D) derivatives of the angles [rad per unit]; error: (D,) estimated error relative to
+    the largest value; growth: the largest factor by which a disturbance of the start has grown
+    (an angle's against an angle, a velocity's times the time over which it acted); reliable: (D,)
+    False where the error or the growth is too large: the run grazes a reversal, or its horizon is
+    beyond what can be predicted. What is not reliable is still the derivative of the numerical
+    solution, but a finite change does something else.
+    """
+
+    motion: Trajectory
+    names: tuple[str, ...]
+    phi1: Float[Array, "n D"]
+    phi2: Float[Array, "n D"]
+    error: Float[Array, " D"]
+    growth: float
+    reliable: Bool[Array, " D"]
+
+
+def sensitivities(
+    model: AbstractTorsionPendulum,
+    ts: Float[Array, " n"],
+    y0: Float[Array, " m"] | None = None,
+    *,
+    by: Sequence[str] | None = None,
+    tolerance: float = 1e-6,
+    max_steps: int = 1_000_000,
+) -> Sensitivities:
+    """Derivatives of both angles by the initial state and by numbers of the model.
+
+    Args:
+        model: one pendulum.
+        ts: times [s], increasing.
+        y0: initial state; rest if None.
+        by: numbers, by their place in the pendulum ("spring.k", "B2", "terms.0.values.a");
+            the paper's unknowns if None.
+        tolerance: error of an angle in one step [rad].
+        max_steps: a run that needs more attempts is given up.
+
+    Returns:
+        `Sensitivities`.
+
+    Raises:
+        ValueError: where a name is not the model's, or shapes do not fit.
+
+    Example:
+        >>> import numpy as np, tp_jax as tp
+        >>> found = tp.sensitivities(tp.presets.get("bench"), np.linspace(0.0, 0.2, 51), by=["B2"])
+        >>> found.names[-1], found.phi2.shape, bool(found.reliable.all())
+        ('B2', (51, 5), True)
+    """
+    ts, y0 = checked(model, ts, y0)
+    parts = take_apart(model)
+    if by is None:
+        by = [name for name in BASE if name in parts.names]
+    for name in by:
+        if name not in parts.names:
+            raise ValueError(
+                f"Argument `by` names {name!r}, which the model does not have; "
+                f"it has {', '.join(parts.names)}."
+            )
+    places = jnp.array([parts.names.index(name) for name in by], int)
+    control = Control(angle=jnp.asarray(tolerance))
+    p = jnp.stack(parts.values)
+    ran = _run(parts.template, p, y0, ts, control, places, jnp.asarray(max_steps))
+    y, s, error = np.asarray(ran.y[0]), np.asarray(ran.s[0]), np.asarray(ran.error[0])
+    span = float(ts[-1] - ts[0])
+    own = len(y0)
+    growth = np.abs(s[:, :2, :own]).max(axis=(0, 1)) / np.array(
+        [1.0, 1.0, span, span] + [1.0] * (own - 4)
+    )
+    grown = float(growth.max())
+    reliable = (error < DOUBTFUL) & np.isfinite(error) & (grown < CHAOTIC)
+    names = (*STATE, *(f"state {i}" for i in range(4, own)), *by)
+    motion = Trajectory(np.asarray(ts), *y.T)
+    return Sensitivities(motion, names, s[:, 0], s[:, 1], error, grown, reliable)
+
+
+@eqx.filter_jit
+def _run(template, p, y0, ts, control, places, max_steps) -> Ran:
+    parts = take_apart(template)
+    q = tuple(p[:, None])
+    return integrate(
+        parts.field, q, y0[:, None], ts, (q[parts.eps[0]], q[parts.eps[1]]), control,
+        directions=places, tangent_velocities=False, width=1,
+        per_step=samples_per_step(ts.size), max_steps=max_steps,
+    )  # fmt: skip

@@ -1,0 +1,195 @@
+"""Derivatives of a step: what the run's own differentiation would give, at a fraction of the cost.
+
+With S the derivatives of the state in D directions, a stage `(g - J) k = r` becomes
+
+    (g - J) dk = dr + dJ k,      dr = J_i du + f_p,i + ...,
+
+J_i the Jacobian at the stage's own state and f_p,i the derivatives by the parameters there. All
+directions share J, J_i and f_p,i, so that one of them costs a few multiplications; dJ has a few
+entries only, from the curvature of friction. Nothing is left out: these are the derivatives of
+the numbers that the step computes, its size held fixed.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Int
+
+from tp_jax.simulation.dependence import dependence
+from tp_jax.simulation.linear_solve import Jacobian, eliminate
+from tp_jax.simulation.step import Field, Structure, combine, jacobian
+from tp_jax.simulation.tableau import StageForm
+
+
+class Curvature(NamedTuple):
+    """Which entries of the Jacobian depend on what.
+
+    entries: places (i, j) of the Jacobian that are not zero; by_state (entries, n) and
+    by_parameter (entries, P); field_by_parameter (n, P).
+    """
+
+    entries: tuple[tuple[int, int], ...]
+    by_state: np.ndarray
+    by_parameter: np.ndarray
+    field_by_parameter: np.ndarray
+
+
+def curvature(field: Field, s: Structure, n_parameters: int) -> Curvature:
+    """Structure of a field's second derivatives, from its own formulas."""
+    n = len(s.by_time)
+    one = jax.ShapeDtypeStruct((1,), jnp.float64)
+    entries = tuple((int(i), int(j)) for i, j in zip(*np.nonzero(s.by_state), strict=True))
+
+    def flat(t, *rest):
+        rows = jacobian(field, s, t, tuple(rest[:n]), tuple(rest[n:]))
+        return tuple(rows[i][j] for i, j in entries)
+
+    def first(t, *rest):
+        return tuple(field(t, rest[:n], rest[n:]))
+
+    d = dependence(flat, one, *[one] * (n + n_parameters))
+    f = dependence(first, one, *[one] * (n + n_parameters))
+    return Curvature(entries, d[:, 1 : 1 + n], d[:, 1 + n :], f[:, 1 + n :])
+
+
+class Linear(NamedTuple):
+    """Derivatives of a function of (y, p), contracted with directions when asked.
+
+    by_state: list over components of lists over outputs, None where zero; by_direction: list over
+    outputs of (nd, L), None where zero.
+    """
+
+    by_state: list[list[Array | None]]
+    by_direction: list[Array | None]
+
+    def along(self, s: list[Array], n: int) -> list[Array | None]:
+        """Change of every output along S (n components, each (n + nd, L))."""
+        found: list[Array | None] = []
+        for k, mine in enumerate(self.by_direction):
+            terms = [
+                row[k] * x for row, x in zip(self.by_state, s, strict=True) if row[k] is not None
+            ]
+            total = sum(terms[1:], terms[0]) if terms else None
+            if mine is not None:
+                # the first n directions are those of the state
+                whole = jnp.concatenate([jnp.zeros((n, mine.shape[1])), mine])
+                total = whole if total is None else total + whole
+            found.append(total)
+        return found
+
+
+def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> Linear:
+    """Derivatives of `f(y, p)` (a tuple of (L,)), only where the structure has any."""
+    one = jnp.ones_like(y[0])
+    n_out = by_state.shape[0]
+    columns: list[list[Array | None]] = []
+    for k in range(len(y)):
+        row: list[Array | None] = [None] * n_out
+        if by_state[:, k].any():
+            g = lambda x, k=k: f((*y[:k], x, *y[k + 1 :]), p)  # noqa: E731
+            d = jax.jvp(g, (y[k],), (one,))[1]
+            row = [d[i] if by_state[i, k] else None for i in range(n_out)]
+        columns.append(row)
+    found: list[list[Array]] = [[] for _ in range(n_out)]
+    zero = jnp.zeros_like(one)
+    for k in range(len(p)):
+        d = (zero,) * n_out
+        if by_parameter[:, k].any():
+            g = lambda x, k=k: f(y, (*p[:k], x, *p[k + 1 :]))  # noqa: E731
+            d = jax.jvp(g, (p[k],), (one,))[1]
+        for i in range(n_out):
+            found[i].append(d[i])
+    by_direction = [
+        jnp.stack(values)[directions] if by_parameter[i].any() and directions.size else None
+        for i, values in enumerate(found)
+    ]
+    return Linear(columns, by_direction)
+
+
+def differentiate(
+    field: Field,
+    shape: Structure,
+    bends: Curvature,
+    method: StageForm,
+    t: Array,
+    h: Array,
+    y: list[Array],
+    p: tuple,
+    stages: list[list[Array]],
+    s: list[Array],
+    fs: list[Array],
+    directions: Int[Array, " d"],
+    unit: Array,
+) -> tuple[list[Array], list[Array], list[Array]]:
+    """Derivatives of a step.
+
+    Args:
+        field, shape, bends: vector field and its structure.
+        method, t, h, y, p: as for `advance`; stages: what it found, a list of lists of (L,).
+        s, fs: derivatives of y and of f(y), lists of (n + nd, L).
+        directions: places in p of the parameters.
+        unit: (n + nd, L) ones that the compiler does not know to be ones: what is divided by them
+            is evaluated once for all its readers (see `linear_solve`; a quotient by what is the
+            same for all directions would be turned into a product).
+
+    Returns:
+        Derivatives of the state at the end, of f there, and of the embedded error.
+    """
+    n = len(y)
+    rows = jacobian(field, shape, t, tuple(y), p)
+    solve = eliminate(rows, 1.0 / (method.gamma * h))
+
+    def entries(y, p):
+        found = jacobian(field, shape, t, tuple(y), p)
+        return tuple(found[i][j] for i, j in bends.entries)
+
+    bent = linear(entries, y, p, bends.by_state, bends.by_parameter, directions).along(s, n)
+    ft: list[Array | None] = [None] * n
+    if method.d.any() and shape.by_time.any():
+
+        def by_time(y, p):
+            return jax.jvp(lambda x: tuple(field(x, y, p)), (t,), (jnp.ones_like(t),))[1]
+
+        depends = shape.by_time[:, None]
+        ft = linear(
+            by_time, y, p, shape.by_state & depends, bends.field_by_parameter & depends,
+            directions,
+        ).along(s, n)  # fmt: skip
+
+    def at(u: list[Array], ti: Array) -> Linear:
+        f = lambda y, p: tuple(field(ti, tuple(y), p))  # noqa: E731
+        return linear(f, u, p, shape.by_state, bends.field_by_parameter, directions)
+
+    def plus(a: Array | None, b: Array | None) -> Array | None:
+        return b if a is None else a if b is None else a + b
+
+    tangents: list[list[Array]] = []
+    for i, k in enumerate(stages):
+        if i:
+            u = [y[j] + combine(method.a[i], stages, j) for j in range(n)]
+            du = [s[j] + combine(method.a[i], tangents, j) for j in range(n)]
+            change = at(u, t + method.c[i] * h).along(du, n)
+            sums = [combine(method.C[i], tangents, j) for j in range(n)]
+            right = [(x if c is None else x + h * c) / h for c, x in zip(change, sums, strict=True)]
+        else:
+            right = list(fs)
+        if method.d[i]:
+            right = [
+                r if x is None else plus(r, (method.d[i] * h) * x)
+                for r, x in zip(right, ft, strict=True)
+            ]
+        for (a, b), x in zip(bends.entries, bent, strict=True):
+            if x is not None:
+                right[a] = plus(right[a], x * k[b])
+        tangents.append([x / unit for x in solve([x / unit for x in right])])
+    end = [y[j] + combine(method.b, stages, j) for j in range(n)]
+    s_end = [(s[j] + combine(method.b, tangents, j)) / unit for j in range(n)]
+    f_end = at(end, t + h).along(s_end, n)
+    error = [combine(method.b_error, tangents, j) for j in range(n)]
+    zero = jnp.zeros_like(s[0])
+    return s_end, [zero if x is None else x / unit for x in f_end], error
+
+
+__all__ = ["Curvature", "Jacobian", "curvature", "differentiate"]
