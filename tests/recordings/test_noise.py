@@ -67,6 +67,23 @@ def test_single_jumps_do_not_matter():
     assert noise_level(T, y) == pytest.approx(1e-3, rel=0.05)
 
 
+def test_gaps_do_not_look_like_noise():
+    # every thirtieth step is a jump of half a period, and the ring comes back on another branch
+    gaps = (np.arange(T.size) + 29) // 30
+    t = T + gaps / 6.0
+    y = 0.5 * np.sin(6.0 * np.pi * t) + np.pi * np.random.default_rng(1).integers(-3, 4, 85)[gaps]
+    y += 1e-3 * np.random.default_rng(0).standard_normal(T.size)
+    assert noise_level(t, y) == pytest.approx(1e-3, rel=0.06)
+
+
+def test_stretches_of_a_few_samples_are_not_used():
+    y = SINE + 1e-3 * np.random.default_rng(0).standard_normal(T.size)
+    t = T.copy()
+    t[-3:] += 1.0
+    spoilt = np.append(y[:-3], [9.0, -9.0, 9.0])
+    assert noise_level(t, spoilt) == pytest.approx(noise_level(T[:-3], y[:-3]), rel=1e-12)
+
+
 def test_constant_has_none():
     assert noise_level(T, np.full(T.size, 0.3)) == 0.0
 

@@ -40,6 +40,29 @@ def test_errors_grow_at_the_ends():
     assert error[-1] == pytest.approx(error[0])
 
 
+def test_a_gap_is_an_end():
+    t = 0.004 * np.arange(300)
+    y = np.sin(13.0 * t) + (t > 0.5) * np.pi  # a branch lost in the gap
+    left, right = t < 0.4, t > 0.8
+    kept = left | right
+    both = local_polynomial(t[kept], y[kept], 1e-3, 15)
+    alone = [local_polynomial(t[part], y[part], 1e-3, 15) for part in (left, right)]
+    for together, apart in zip(both, zip(*alone, strict=True), strict=True):
+        np.testing.assert_array_equal(together, np.concatenate(apart))
+
+
+def test_too_few_samples_between_two_gaps():
+    t = 0.004 * np.concatenate([np.arange(100), [200, 201, 202], np.arange(300, 400)])
+    smoothed = local_polynomial(t, np.sin(t), 1e-3, 15)
+    island = slice(100, 103)
+    np.testing.assert_array_equal(smoothed.value[island], np.sin(t[island]))
+    np.testing.assert_array_equal(smoothed.value_error[island], 1e-3)
+    for name in ("first", "second"):
+        np.testing.assert_array_equal(getattr(smoothed, name)[island], 0.0)
+        np.testing.assert_array_equal(getattr(smoothed, f"{name}_error")[island], np.inf)
+    assert np.isfinite(smoothed.first_error[:100]).all()
+
+
 @pytest.mark.parametrize(("n", "window", "order"), [(100, 3, 3), (100, 15, 1), (2, 15, 2)])
 def test_too_few_samples_for_the_order(n, window, order):
     with pytest.raises(ValueError, match="more samples than its order"):

@@ -4,6 +4,7 @@
     sections -> entries         campaign.toml to what it says
     recording, checks           one run, and whether it can be what it is said to be
     campaign                    all of them together: `load_campaign`
+    gaps                        where samples were lost
     noise, smooth, holdout      noise levels, starting states, what is never fitted
     writer                      CSV out
 
@@ -20,6 +21,7 @@ from tp_jax.recordings.formats import Columns as Columns
 from tp_jax.recordings.formats import ColumnSource as ColumnSource
 from tp_jax.recordings.formats import FileFormat as FileFormat
 from tp_jax.recordings.formats import read_columns as read_columns
+from tp_jax.recordings.gaps import stretches as stretches
 from tp_jax.recordings.holdout import hold_out as hold_out
 from tp_jax.recordings.noise import noise_floor as noise_floor
 from tp_jax.recordings.noise import noise_level as noise_level

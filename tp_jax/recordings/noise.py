@@ -13,6 +13,7 @@ from math import comb
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.recording import Recording
 
 ORDERS = range(2, 9)
@@ -25,7 +26,8 @@ def noise_level(t: np.ndarray, y: np.ndarray) -> float:
     """Standard deviation of the white measurement noise of one channel.
 
     Never below quantum / sqrt(12), the error of rounding, where y comes in steps. Noise of a
-    band narrower than the sampling looks like motion and is not counted.
+    band narrower than the sampling looks like motion and is not counted. Nothing is compared
+    across a gap, and stretches of fewer than 4 samples are not used.
 
     Args:
         t: (n,) rising times [s]; they need not be uniform.
@@ -35,13 +37,23 @@ def noise_level(t: np.ndarray, y: np.ndarray) -> float:
         The level in y's unit; 0 for a constant.
 
     Raises:
-        ValueError: fewer than 4 samples.
+        ValueError: fewer than 4 samples without a gap.
     """
     t, y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
-    if t.size < 4:
-        raise ValueError(f"A noise level needs 4 samples or more, but there are {t.size}.")
+    parts = stretches(t)
+    longest = max(part.stop - part.start for part in parts)
+    if longest < 4:
+        raise ValueError(
+            f"A noise level needs 4 samples or more, but there are {longest} without a gap."
+        )
+    y0 = y - np.median(y)
+    by_order: dict[int, list[np.ndarray]] = {}
+    for part in parts:
+        for order, difference in _differences(t[part], y0[part]):
+            by_order.setdefault(order, []).append(difference)
     levels, errors = [], []
-    for order, difference in _differences(t, y):
+    for order in sorted(by_order):
+        difference = np.concatenate(by_order[order])
         level = _robust_scale(difference)
         levels.append(level)
         errors.append(level * _relative_error(order, difference.size))
@@ -89,11 +101,13 @@ def _differences(t: np.ndarray, y: np.ndarray):
     """Divided differences of each order, scaled to the noise's own standard deviation.
 
     On a uniform grid they are the differences divided by sqrt(binom(2m, m)). On another one
-    the weights follow the times, so that jitter lets no motion through.
+    the weights follow the times, so that jitter lets no motion through. Fewer than 4 samples
+    give none.
     """
+    if t.size < 4:
+        return
     x = (t - t[0]) / np.median(np.diff(t))
     weights = np.ones((t.size, 1))
-    y = y - np.median(y)
     for order in range(1, min(ORDERS.stop - 1, t.size - 2) + 1):
         width = (x[order:] - x[:-order])[:, None]
         upper = np.pad(weights[1:] / width, ((0, 0), (1, 0)))

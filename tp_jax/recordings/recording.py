@@ -17,7 +17,8 @@ class Recording:
         label: unique in its campaign: the name, with the span where a file appears more than once
             or was cut ("run.csv[0,200]").
         file: the data file.
-        t: (n,) times [s] as in the file, rising, not shifted and not necessarily uniform.
+        t: (n,) times [s] as in the file, rising, not shifted and not necessarily uniform; where
+            samples were lost they jump (see `gaps`).
         phi1: (n,) angle of the column [rad].
         phi2: (n,) angle of the ring [rad]; None on a single pendulum.
         drive: (n,) measured drive, in an unknown unit; only where the drive is measured.

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from tp_jax.recordings.gaps import stretches
+
 
 class Smoothed(NamedTuple):
     """A smoothed channel and its derivatives, each (n,), with standard errors of the noise.
@@ -26,13 +28,15 @@ def local_polynomial(
 ) -> Smoothed:
     """Fits a polynomial to the `window` samples around each sample.
 
-    At the ends the window stays full and the sample lies at its side: the errors grow there.
+    At the ends the window stays full and the sample lies at its side: the errors grow there. A gap
+    is an end: no window reaches across it. In a stretch with too few samples for a polynomial the
+    value is the sample itself, and the derivatives are 0 with infinite errors.
 
     Args:
         t: (n,) rising times [s]; they need not be uniform.
         y: (n,) values.
         sigma: standard deviation of y's noise, in y's unit.
-        window: number of samples in a window; cut to n where it is larger.
+        window: number of samples in a window; cut to those of the stretch where it is larger.
         order: of the polynomial, 2 or more.
 
     Returns:
@@ -43,13 +47,24 @@ def local_polynomial(
         ValueError: the window holds too few samples for the order.
     """
     t, y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
-    n = t.size
-    window = min(window, n)
+    parts = stretches(t)
+    window = min(window, max(part.stop - part.start for part in parts))
     if order < 2 or window <= order:
         raise ValueError(
             f"A local polynomial needs an order of 2 or more and more samples than its order, "
             f"but the order is {order} and the window has {window} samples."
         )
+    fits = [_of_stretch(t[part], y[part], sigma, window, order) for part in parts]
+    return Smoothed(*(np.concatenate(each) for each in zip(*fits, strict=True)))
+
+
+def _of_stretch(t: np.ndarray, y: np.ndarray, sigma: float, window: int, order: int) -> Smoothed:
+    """As `local_polynomial`, where there is no gap."""
+    n = t.size
+    if n <= order:
+        nothing, unknown = np.zeros(n), np.full(n, np.inf)
+        return Smoothed(y, nothing, nothing, np.full(n, float(sigma)), unknown, unknown)
+    window = min(window, n)
     tw = sliding_window_view(t, window)
     yw = sliding_window_view(y, window)
     middle = 0.5 * (tw[:, :1] + tw[:, -1:])

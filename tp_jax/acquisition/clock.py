@@ -1,0 +1,113 @@
+"""The rig's clock against the host's: offset and skew, from when samples arrived.
+
+A sample arrives late, never early: by the line, the USB frame, the scheduler. So the relation of
+the two clocks is the line *below* all points (rig's time, host's time − rig's time), as near to
+them as can be: of the edges of their lower convex hull the one above or below the mean of the
+rig's times, which is the line from below with the least sum of distances. It is also the maximum
+likelihood estimate for exponentially distributed delays, and a delay that saws between two polls
+of a bus, as the beat of two clocks makes it, does not tilt it as it tilts a least-squares line.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+MOST_BLOCKS = 240
+LEAST_POINTS = 20
+LEAST_SPAN = 1.0
+"""Seconds of recording below which nothing is said of the skew."""
+
+_FOLDS = 10
+
+
+@dataclass(frozen=True)
+class ClockFit:
+    """host time = offset + rig time / (1 + skew).
+
+    Attributes:
+        offset: host's clock at t = 0 of the rig's [s], the shortest delay included.
+        skew: relative rate of the rig's clock, 1e-6 is a part per million; above zero it is fast.
+        offset_error, skew_error: standard errors.
+        delay: median delay of the points beyond the shortest [s].
+        points: arrivals that were used.
+    """
+
+    offset: float
+    skew: float
+    offset_error: float
+    skew_error: float
+    delay: float
+    points: int
+
+
+def fit_clock(rig: ArrayLike, host: ArrayLike, poll: float = 0.0) -> ClockFit | None:
+    """Estimates offset and skew.
+
+    Args:
+        rig: (n,) times of samples on the rig's clock [s].
+        host: (n,) when they had arrived, on the host's [s].
+        poll: how often the bus between them is asked [s], 1e-3 for USB. A delay that creeps
+            through less than one such period in the whole recording looks like a skew, and no
+            estimate can tell: it is counted among the errors.
+
+    Returns:
+        The fit; None where there are too few points, or all within `LEAST_SPAN`.
+    """
+    d, h = np.asarray(rig, dtype=float), np.asarray(host, dtype=float)
+    if d.size < LEAST_POINTS or d.max() - d.min() < LEAST_SPAN:
+        return None
+    order = np.argsort(d, kind="stable")
+    d, delay = d[order], (h - d)[order]
+    low = _lowest_of_blocks(d, delay)
+    slope, intercept = _line_below(d[low], delay[low])
+
+    # what the line does when a tenth of the time is left out, and how it could be tilted by the
+    # delays that are always there
+    span = d[-1] - d[0]
+    fold = np.minimum((d[low] - d[0]) / span * _FOLDS, _FOLDS - 1).astype(int)
+    others = [
+        _line_below(d[low][fold != k], delay[low][fold != k])
+        for k in range(_FOLDS)
+        if np.unique(d[low][fold != k]).size > 1
+    ]
+    spread = np.sqrt((len(others) - 1) * np.var(others, axis=0)) if others else np.full(2, np.inf)
+    above = np.median(delay[low] - intercept - slope * d[low])
+    hidden = float(np.hypot(above, poll / np.sqrt(12.0)))
+    slope_error = float(np.hypot(spread[0], hidden / span))
+    offset_error = float(np.hypot(spread[1], hidden))
+    # host = d + intercept + slope d = offset + d / (1 + skew)
+    skew = 1.0 / (1.0 + slope) - 1.0
+    return ClockFit(
+        offset=float(intercept),
+        skew=float(skew),
+        offset_error=offset_error,
+        skew_error=slope_error,
+        delay=float(np.median(delay - intercept - slope * d)),
+        points=d.size,
+    )
+
+
+def _lowest_of_blocks(d: np.ndarray, delay: np.ndarray) -> np.ndarray:
+    """Indices of the least delayed point of each of up to `MOST_BLOCKS` spans of equal length."""
+    blocks = min(MOST_BLOCKS, d.size)
+    block = np.minimum((d - d[0]) / (d[-1] - d[0]) * blocks, blocks - 1).astype(int)
+    by_delay = np.lexsort((delay, block))
+    first = np.flatnonzero(np.diff(block[by_delay], prepend=-1))
+    return by_delay[first]
+
+
+def _line_below(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """Slope and intercept of the edge of the lower convex hull that spans the mean of x."""
+    hull: list[int] = []
+    for i in range(x.size):
+        while len(hull) > 1:
+            a, b = hull[-2], hull[-1]
+            if (x[b] - x[a]) * (y[i] - y[a]) > (x[i] - x[a]) * (y[b] - y[a]):
+                break
+            hull.pop()
+        hull.append(i)
+    hx, hy = x[hull], y[hull]
+    k = int(np.clip(np.searchsorted(hx, x.mean()), 1, hx.size - 1))
+    slope = (hy[k] - hy[k - 1]) / (hx[k] - hx[k - 1])
+    return float(slope), float(hy[k] - slope * hx[k])

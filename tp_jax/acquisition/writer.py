@@ -1,0 +1,107 @@
+"""The recording's file, written as the samples come.
+
+Every block of rows goes to the operating system at once and whole: what was handed over is safe
+from the death of this process. A thread of its own asks the system to put it on the disk once a
+second, so that a slow disk never makes the reader wait.
+"""
+
+import os
+import stat
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from tp_jax.errors import InputError
+
+SYNC_PERIOD = 1.0
+"""Seconds between two requests to put the file on the disk."""
+
+
+class CsvWriter:
+    """Appends rows to a new file of the contract's format, 17 significant digits.
+
+    Attributes:
+        path: the file.
+        rows: written so far.
+    """
+
+    def __init__(self, path: Path, names: Sequence[str]) -> None:
+        """Makes the file and writes the header.
+
+        Raises:
+            InputError: there is such a file already, or the place refuses one.
+        """
+        self.path = path
+        self.rows = 0
+        self._line = ",".join(["%.17g"] * len(names)) + "\n"
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # O_EXCL: nobody else's file is ever written over, made a moment ago or not
+            self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o666)
+        except FileExistsError:
+            raise InputError(already_there(path)) from None
+        except OSError as fault:
+            raise InputError(f"Cannot write {path}: {fault.strerror}.") from fault
+        os.write(self._fd, (",".join(names) + "\n").encode())
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._sync, name="tp-jax-sync", daemon=True)
+        self._thread.start()
+
+    def write(self, columns: np.ndarray) -> None:
+        """Appends (n, columns) rows.
+
+        Raises:
+            OSError: the disk is full or gone.
+        """
+        if not len(columns):
+            return
+        block = memoryview((self._line * len(columns) % tuple(columns.ravel().tolist())).encode())
+        while block:  # a pipe or a full disk may take a part
+            block = block[os.write(self._fd, block) :]
+        self.rows += len(columns)
+
+    def close(self) -> None:
+        """Puts all on the disk."""
+        if self._stop.is_set():
+            return
+        self._stop.set()
+        self._thread.join()
+        try:
+            os.fsync(self._fd)
+        finally:
+            os.close(self._fd)
+
+    def _sync(self) -> None:
+        while not self._stop.wait(SYNC_PERIOD):
+            try:
+                os.fsync(self._fd)
+            except OSError:
+                return  # close tells
+
+
+def already_there(path: Path) -> str:
+    """The sentence for a file that must not be written over."""
+    return f"There is a file {path} already; give another name or move it away."
+
+
+def scale_time(path: Path, factor: float) -> None:
+    """Multiplies the times of a recording by a factor; the file is replaced at once and whole.
+
+    Raises:
+        OSError: the file system refuses; the file is as it was.
+    """
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with path.open("rb") as source, part.open("wb") as target:
+            target.write(source.readline())
+            for line in source:
+                time, _, rest = line.partition(b",")
+                target.write(b"%.17g,%s" % (float(time) * factor, rest))
+            target.flush()
+            os.fsync(target.fileno())
+        part.chmod(stat.S_IMODE(path.stat().st_mode))
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,208 @@
+"""tp-jax record: records a run of a rig at a serial port, or of the virtual rig."""
+
+import argparse
+import subprocess
+import sys
+import time
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tp_jax.cli.arguments import add_common, add_json, count, number, positive
+from tp_jax.cli.rig import add_rig, rig_arguments
+from tp_jax.errors import InputError
+
+if TYPE_CHECKING:
+    from tp_jax.acquisition.recorded import Recorded
+
+EMULATOR = "emulator"
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    parser = subparsers.add_parser(
+        "record",
+        help="record a run of a rig",
+        description="Records a run of a rig at a serial port as t,phi1,phi2; what is known of it "
+        "goes beside it, to FILE.csv.meta.json. Ctrl-C ends a recording early and keeps it.",
+    )
+    parser.add_argument(
+        "--port",
+        metavar="PORT",
+        required=True,
+        help=f"/dev/ttyACM0, COM3, ...; {EMULATOR}: the virtual rig",
+    )
+    parser.add_argument(
+        "--duration", metavar="S", type=positive, required=True, help="seconds of the run"
+    )
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument("--out", metavar="FILE.csv", help="must not be there yet")
+    where.add_argument(
+        "--campaign", metavar="DIR", help="find a name there, and add it to its campaign.toml"
+    )
+    run = parser.add_mutually_exclusive_group()
+    run.add_argument("--omega", metavar="W", type=positive, help="drive it at W rad/s")
+    run.add_argument(
+        "--release", metavar="X", type=number, help="let it go at X rad, the motor at neutral"
+    )
+    parser.add_argument("--amplitude", metavar="A", type=positive, help="of the drive, rad")
+    parser.add_argument(
+        "--baud", metavar="N", type=count, default=460800, help="bits a second (460800)"
+    )
+    parser.add_argument(
+        "--calibration", metavar="FILE", help="a TOML file; default: what the rig announces"
+    )
+    parser.add_argument(
+        "--patience", metavar="S", type=positive, default=5.0,
+        help="the rig must answer, and may be silent, so long (5)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--reconnect", metavar="S", type=positive, default=30.0,
+        help="an unplugged rig must be back within (30)",
+    )  # fmt: skip
+    add_rig(parser)
+    add_json(parser)
+    add_common(parser)
+    parser.set_defaults(run=run_record)
+
+
+def run_record(args: argparse.Namespace) -> None:
+    from tp_jax.acquisition.calibration_file import read_calibration
+    from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name
+    from tp_jax.acquisition.port import Port
+    from tp_jax.acquisition.recorder import check, record
+    from tp_jax.acquisition.settings import Settings
+    from tp_jax.cli.live import live
+    from tp_jax.cli.output import made_folder, ready, write_json
+
+    virtual = args.port == EMULATOR
+    if not virtual:
+        _check_no_rig(args)
+    settings = Settings(
+        duration=args.duration,
+        omega=args.omega,
+        amplitude=args.amplitude,
+        release=args.release,
+        calibration=None if args.calibration is None else read_calibration(args.calibration),
+        patience=args.patience,
+        reconnect=args.reconnect,
+        real_time=not (virtual and args.speed is None),
+        command=_command(),
+    )
+    # all that can be wrong is told before the rig moves
+    ready(args.json)
+    if args.campaign is None:
+        out, folder = Path(args.out), None
+        check(out, settings)
+        ready(args.out)
+    else:
+        folder = Path(args.campaign)
+        check_campaign(folder)
+        made_folder(folder)
+        out = free_name(folder, args.omega)
+        check(out, settings)
+
+    if virtual:
+        # another recording of the same rig has other noise, the same one again the same
+        args.seed = zlib.crc32(f"{args.seed} {out.name}".encode())
+    with _port(args) as name, live(quiet=args.quiet) as progress:
+        faster = args.speed if virtual and args.speed is not None else 1.0
+        port = Port(name, args.baud, lambda: faster * time.monotonic())
+        recorded = record(port, out, settings, progress=progress)
+
+    entered = folder is not None and append_entry(folder, recorded)
+    if args.json is not None:
+        write_json(args.json, recorded.metadata)
+    if not args.quiet and args.json != "-":
+        print(summary(recorded))
+        if folder is not None:
+            print(
+                f"Added it to {folder / 'campaign.toml'}"
+                if entered
+                else "Too short to be used: not added to the campaign"
+            )
+    if recorded.fault is not None:
+        raise InputError(recorded.fault)
+    if recorded.state == "interrupted":
+        raise KeyboardInterrupt
+
+
+def summary(recorded: "Recorded") -> str:
+    """What was recorded, in a line or three."""
+    meta = recorded.metadata
+    samples, frames, clock = meta["samples"], meta["frames"], meta["clock"]
+    kind = "frames" if meta["stream"] == "frames" else "lines"
+    lines = [
+        f"Wrote {recorded.path}: {samples['written']} samples in {recorded.duration:.6g} s, "
+        f"{samples['lost']} lost, {frames['corrupt']} corrupt {kind}"
+    ]
+    if clock is not None:
+        done = ", corrected" if clock["applied"] else ""
+        lines.append(
+            f"The rig's clock is {1e6 * clock['skew']:+.1f} ± {1e6 * clock['skew_error']:.1f} ppm "
+            f"against this computer's{done}"
+        )
+    for gap in meta["gaps"]:
+        lines.append(
+            f"Gap from {gap['after']:.4g} to {gap['before']:.4g} s, {gap['samples']} samples, "
+            f"{gap['cause']}"
+        )
+    for sensor, n in samples["clipped"].items():
+        if n:
+            lines.append(f"{n} readings of {sensor} lie at the end of the converter's range")
+    return "\n".join(lines)
+
+
+@contextmanager
+def _port(args: argparse.Namespace) -> Iterator[str]:
+    """The port's name; the virtual rig runs, in a process of its own, as long as it is needed."""
+    if args.port != EMULATOR:
+        yield args.port
+        return
+    if args.run_duration is None:
+        args.run_duration = args.duration
+    words = [sys.executable, "-m", "tp_jax", "rig", "serve", "--until-stdin-closes"]
+    rig = subprocess.Popen(
+        [*words, *rig_arguments(args)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # Ctrl-C is for the recorder
+    )
+    try:
+        assert rig.stdout is not None
+        name = rig.stdout.readline().strip()
+        if not name:
+            told = rig.communicate()[1].strip().split("\n")[-1].removeprefix("tp-jax: ")
+            raise InputError(told or "The virtual rig did not start.")
+        yield name
+    finally:
+        assert rig.stdin is not None
+        rig.stdin.close()  # which ends it
+        try:
+            rig.wait(5.0)
+        except subprocess.TimeoutExpired:
+            rig.kill()
+            rig.wait()
+        for stream in (rig.stdout, rig.stderr):
+            if stream is not None:
+                stream.close()
+
+
+def _check_no_rig(args: argparse.Namespace) -> None:
+    """Nothing may be said of the virtual rig where a real one is recorded: it would not be so."""
+    parser = argparse.ArgumentParser()
+    add_rig(parser)
+    for name, usual in vars(parser.parse_args([])).items():
+        if getattr(args, name) != usual:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(
+                f"Argument {option} is for the virtual rig, --port {EMULATOR}; leave it out for "
+                f"a rig at {args.port}."
+            )
+
+
+def _command() -> list[str]:
+    return ["tp-jax", *sys.argv[1:]]
