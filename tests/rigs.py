@@ -1,5 +1,6 @@
 """Small problems of estimation whose answers are known: the bench, integrated by the reference."""
 
+import dataclasses
 import functools
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from tests.reference import BENCH, reference
 from tp_jax.effects import catalogue
+from tp_jax.estimation.baseline import Setting, initial_values
 from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.windows import Prepared, Windows, cut
@@ -74,6 +76,17 @@ def bench_values() -> Values:
     )  # fmt: skip
 
 
+def lossy(recording: Recording, seed: int, *lost: tuple[float, float]) -> Recording:
+    """A recording without the samples between the times given [s], and one in a hundred more."""
+    t = recording.t
+    kept = np.random.default_rng(seed).random(t.size) > 0.01
+    for t0, t1 in lost:
+        kept &= (t < t0) | (t > t1)
+    return dataclasses.replace(
+        recording, t=t[kept], phi1=recording.phi1[kept], phi2=recording.phi2[kept]
+    )
+
+
 def synthetic_campaign(noise: float = 1e-3, duration: float = 3.0, seed: int = 0) -> Campaign:
     """A decay and two forced recordings of the bench, with white noise."""
     rng = np.random.default_rng(seed)
@@ -96,3 +109,10 @@ def synthetic_campaign(noise: float = 1e-3, duration: float = 3.0, seed: int = 0
         name="synthetic", model="double", B1=BENCH["B1"], B2=None, k=None, sample_rate=RATE,
         recordings=tuple(recordings), folder=Path(),
     )  # fmt: skip
+
+
+def synthetic_values(setting: Setting) -> Values:
+    """What made the synthetic campaign."""
+    same = {n: v for n, v in BENCH.items() if n not in ("omega", "eps")}
+    more = dict(eps1=BENCH["eps"], eps2=BENCH["eps"], phase=0.0, zero1=0.0)
+    return initial_values(setting).replace(same | more)
