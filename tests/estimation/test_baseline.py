@@ -1,16 +1,23 @@
 """The baseline fit finds what made the recordings."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from tests.reference import BENCH
-from tests.rigs import synthetic_campaign
+from tests.rigs import lossy, synthetic_campaign
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 
 
 @pytest.fixture(scope="module")
 def setting():
     return prepare_campaign(synthetic_campaign(), effects=())
+
+
+@pytest.fixture(scope="module")
+def fit(setting):
+    return grow(setting, initial_values(setting), setting.unknowns())
 
 
 def test_setting(setting):
@@ -32,8 +39,7 @@ def test_start_from_the_data_alone(setting):
     assert start.get("omega", 2) == 17.0
 
 
-def test_baseline_recovers_the_rig(setting):
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+def test_baseline_recovers_the_rig(fit):
     assert fit.converged, fit.message
     assert fit.chi2_dof == pytest.approx(1.0, abs=0.15)
     for name in ("k", "A", "B2", "c1", "M1"):
@@ -51,3 +57,21 @@ def test_baseline_recovers_the_rig(setting):
     sd = np.sqrt(np.diag(np.linalg.inv(fit.information())))
     for name in ("k", "A", "B2", "c1", "M1"):
         assert abs(fit.values.get(name) - BENCH[name]) < 5.0 * sd[names.index(name)], name
+
+
+def test_lost_samples_change_nothing(fit):
+    campaign = synthetic_campaign()
+    # 0.4 s out of the middle, in the last recording but for an island of three samples
+    lost = [[(1.3, 1.7)], [(1.3, 1.7)], [(1.3, 1.498), (1.51, 1.7)]]
+    runs = [lossy(r, i, *lost[i]) for i, r in enumerate(campaign.recordings)]
+    setting = prepare_campaign(dataclasses.replace(campaign, recordings=tuple(runs)), effects=())
+    np.testing.assert_allclose(setting.sigma, 1e-3, rtol=0.1)
+    found = grow(setting, initial_values(setting), setting.unknowns())
+    assert found.converged, found.message
+    assert found.chi2_dof == pytest.approx(1.0, abs=0.1)
+    sd = np.sqrt(np.diag(np.linalg.inv(found.information())))
+    for u, error in zip(found.unknowns, sd, strict=True):
+        assert abs(found.values.get(u.name) - fit.values.get(u.name)) < 2.0 * error, u.name
+    windows = found.problem.windows
+    for r, first, count in zip(windows.recording, windows.first, windows.count, strict=True):
+        assert np.diff(setting.prepared[r].t[first : first + count]).max(initial=0.0) < 0.0101

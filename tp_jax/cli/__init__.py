@@ -16,7 +16,7 @@ from tp_jax.cli.faults import explain
 
 def build_parser() -> Parser:
     from tp_jax._version import __version__
-    from tp_jax.cli import diagnose, identify, predict, simulate
+    from tp_jax.cli import blind, diagnose, identify, predict, record, rig, simulate
 
     parser = Parser(
         prog="tp-jax",
@@ -30,7 +30,7 @@ def build_parser() -> Parser:
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     parser.add_argument("--quiet", action="store_true", help="print results and faults only")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for command in (simulate, identify, diagnose, predict):
+    for command in (simulate, record, rig, identify, diagnose, predict, blind):
         command.add_parser(subparsers)
     return parser
 

@@ -19,7 +19,7 @@ from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.windows import Prepared, Windows, cut, prepare
 from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
-from tp_jax.recordings import Campaign, Recording, noise_floor
+from tp_jax.recordings import Campaign, Recording, noise_floor, stretches
 
 log = logging.getLogger(__name__)
 
@@ -169,15 +169,19 @@ def prepare_campaign(
 
 
 def _period(recordings: Sequence[Recording]) -> float:
-    """Typical period of the column [s]: from the crossings of its mean."""
+    """Typical period of the column [s]: from the crossings of its mean, gaps left out."""
     periods = []
     for r in recordings:
         y = r.phi1 - r.phi1.mean()
         y = np.where(np.abs(y) < 0.1 * np.abs(y).max(), 0.0, np.sign(y))
-        y = y[y != 0.0]
-        crossings = int((np.diff(y) != 0).sum())
+        crossings, length = 0, 0.0
+        for part in stretches(r.t):
+            signs = y[part]
+            signs = signs[signs != 0.0]
+            crossings += int((np.diff(signs) != 0).sum())
+            length += float(r.t[part.stop - 1] - r.t[part.start])
         if crossings >= 2:
-            periods.append(2.0 * r.duration / crossings)
+            periods.append(2.0 * length / crossings)
     return float(np.median(periods)) if periods else max(r.duration for r in recordings) / 10.0
 
 

@@ -91,13 +91,15 @@ class Problem:
         return states
 
     def degrees_of_freedom(self, unknowns: int) -> int:
-        """Samples less estimated window states and unknowns."""
-        per_window = [2 * self.prepared[r].channels.sum() for r in self.windows.recording]
-        samples = sum(
-            c * self.prepared[r].channels.sum()
+        """Samples less estimated window states and unknowns.
+
+        A window of one sample (an island between two gaps) has nothing left over, not less.
+        """
+        left = sum(
+            max(c - 2, 0) * self.prepared[r].channels.sum()
             for r, c in zip(self.windows.recording, self.windows.count, strict=True)
         )
-        return int(samples - sum(per_window) - unknowns)
+        return int(left - unknowns)
 
     def select(self, recordings: Sequence[int]) -> np.ndarray:
         """Windows (bool) of some recordings."""

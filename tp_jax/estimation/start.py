@@ -15,8 +15,10 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from tp_jax.recordings import Recording
+from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.smooth import local_polynomial
 
+ORDER = 3  # of the smoothing polynomials
 T0_GRID = np.geomspace(0.5, 50.0, 9)
 
 
@@ -38,11 +40,11 @@ def start_from_data(
     """
     rows: list[dict[str, np.ndarray]] = []
     for r in recordings:
-        one = local_polynomial(r.t, r.phi1, sigma["phi1"], width)
+        one = local_polynomial(r.t, r.phi1, sigma["phi1"], width, ORDER)
         two = None
         if r.phi2 is not None:
-            two = local_polynomial(r.t, r.phi2, sigma["phi2"], width)
-        edge = slice(width // 2, r.t.size - width // 2)
+            two = local_polynomial(r.t, r.phi2, sigma["phi2"], width, ORDER)
+        inner = _inner(r.t, width)
         row = dict(t=r.t, y=one.value, v=one.first, a=one.second)
         n = r.t.size
         row["v2"], row["a2"] = (
@@ -51,12 +53,24 @@ def start_from_data(
         row["sin"] = np.sin(r.omega * r.t) if _sine(r) else np.zeros(n)
         row["cos"] = np.cos(r.omega * r.t) if _sine(r) else np.zeros(n)
         row["reading"] = np.zeros(n) if r.drive is None else r.drive
-        rows.append({k: v[edge] for k, v in row.items()})
+        rows.append({k: v[inner] for k, v in row.items()})
     d = {k: np.concatenate([row[k] for row in rows]) for k in rows[0]}
     column = _column(d, B1, given, recordings)
     if recordings[0].phi2 is None:
         return column
     return {**column, **_contact(d, column["B2"])}
+
+
+def _inner(t: np.ndarray, width: int) -> np.ndarray:
+    """Samples (n,) bool with a smoothing window to both sides of them, or the middle of a stretch
+    that is shorter than one."""
+    inner = np.zeros(t.size, dtype=bool)
+    for part in stretches(t):
+        n = part.stop - part.start
+        if n > ORDER:  # else nothing is known of its rates
+            edge = (min(width, n) - 1) // 2
+            inner[part.start + edge : part.stop - edge] = True
+    return inner
 
 
 def _sine(r: Recording) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from tp_jax.recordings import Recording
+from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.smooth import local_polynomial
 
 #: Smoothed readings share samples with the window they start, so their weight is reduced: the
@@ -49,9 +50,15 @@ def prepare(recording: Recording, sigma: Mapping[str, float], width: int) -> Pre
         y[:, c] = values
         fit = local_polynomial(recording.t, values, sigma[name], width)
         smooth[:, c], smooth[:, 2 + c] = fit.value, fit.first
-        sd[:, c], sd[:, 2 + c] = fit.value_error, fit.first_error
+        # Between two gaps there may be too few samples for a rate. It is then known to be like the
+        # others: without that the velocity of a stuck rider goes anywhere, and the fit stalls.
+        unknown = np.isinf(fit.first_error)
+        rate = np.sqrt(np.mean((fit.first**2 + fit.first_error**2)[~unknown]))
+        sd[:, c], sd[:, 2 + c] = fit.value_error, np.where(unknown, rate, fit.first_error)
     pieces = None
     if recording.drive is not None:
+        # The piece across a gap is a guess that only free runs meet: no window lies there, and a
+        # few samples beside it the spline is that of the whole.
         pieces = CubicSpline(recording.t, recording.drive).c.T
     return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces)
 
@@ -74,17 +81,19 @@ class Windows:
 def cut(prepared: Sequence[Prepared], horizon: float, minimum: int = 8) -> Windows:
     """Cuts recordings into windows of about `horizon` seconds.
 
-    Each sample belongs to exactly one window. Windows of one recording have equal counts up to
-    one sample, at least `minimum`.
+    Each sample belongs to exactly one window, and no window reaches across a gap. Windows of one
+    stretch between gaps have equal counts up to one sample, at least `minimum`; a stretch that is
+    shorter is one short window.
     """
     recording, first, count = [], [], []
     for r, data in enumerate(prepared):
-        n = data.t.size
         step = float(np.median(np.diff(data.t)))
         size = max(minimum, round(horizon / step))
-        pieces = max(1, round(n / size))
-        edges = np.linspace(0, n, pieces + 1).round().astype(int)
-        recording += [r] * pieces
-        first += list(edges[:-1])
-        count += list(np.diff(edges))
+        for part in stretches(data.t):
+            n = part.stop - part.start
+            pieces = max(1, round(n / size))
+            edges = part.start + np.linspace(0, n, pieces + 1).round().astype(int)
+            recording += [r] * pieces
+            first += list(edges[:-1])
+            count += list(np.diff(edges))
     return Windows(np.array(recording), np.array(first), np.array(count), horizon)

@@ -10,7 +10,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.crossvalidation import gain, left_out_cost
-from tp_jax.gap.refit import Refit, lengthened, polish, refit, removable
+from tp_jax.gap.refit import Refit, lengthened, polish, refit, regrown, removable
 from tp_jax.gap.screen import Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
 
@@ -91,6 +91,8 @@ def choose(
                 break
             progress(f"refitting with {s.id}", i / len(ranked))
             trial = refit(setting, current.fit, [*current.variants, s.variant])
+            if i < ALWAYS and min(left, removable(trial.fit)) > SETTLED * noise_only:
+                trial = regrown(setting, current.fit, trial)
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         best = _most_promising(refits, gains, block)

@@ -4,7 +4,8 @@ Each recording is cut into contiguous parts; a fold is one part of every recordi
 out moves the unknowns by one Newton step, which the windows' gradients and information matrices
 give without any simulation. Nuisances of a recording stay as they are, like the window states:
 they are estimated wherever there is a recording. What says nothing about an amplitude once a fold
-is gone (a decay is still after a second) leaves it at zero, not anywhere.
+is gone (a decay is still after a second) leaves it at zero, not anywhere; and a combination of
+unknowns that hardly matters (Ts1, Tst, T0) is not sent to where the linearisation means nothing.
 """
 
 import numpy as np
@@ -13,6 +14,7 @@ from tp_jax.estimation.least_squares import Fit, parameter
 
 FOLDS = 5
 NUISANCES = ("zero1", "zero2", "phase")
+UNSEEN = 1e-6  # of the largest: a combination of unknowns with less information stays put
 WIDE = 3.0  # typical sizes; how far an amplitude may be without any data
 
 
@@ -47,7 +49,7 @@ def left_out_cost(fit: Fit) -> np.ndarray:
         out = fold == k
         gk, Hk = g[out].sum(axis=0) / scale, H[out].sum(axis=0) / np.outer(scale, scale)
         rest = total / np.outer(scale, scale) - Hk
-        move = np.linalg.pinv(rest, rcond=1e-13, hermitian=True) @ (gk - pull / scale)
+        move = np.linalg.pinv(rest, rcond=UNSEEN, hermitian=True) @ (gk - pull / scale)
         move = move / scale
         cost[out] += 2.0 * g[out] @ move + np.einsum("u,wuv,v->w", move, H[out], move)
     return cost

@@ -14,13 +14,18 @@ from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.held_out import carried_over
 from tp_jax.model.pendulum import AbstractTorsionPendulum
+from tp_jax.recordings import stretches
 from tp_jax.simulation.solve import simulate
 
 
 def start_state(setting: Setting, values: Values, recording: int, horizon: float) -> np.ndarray:
-    """State at the start of a recording (4,), estimated on its first window only."""
+    """State at the start of a recording (4,), estimated on its first window only.
+
+    The window ends at a gap, unless that leaves fewer than eight samples.
+    """
     p = setting.prepared[recording]
     count = int(np.searchsorted(p.t, p.t[0] + horizon, side="right"))
+    count = min(count, stretches(p.t)[0].stop)
     windows = Windows(np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon)
     problem = Problem(
         setting.layout, setting.prepared, windows, setting.sigma, setting.capacity,
@@ -56,7 +61,7 @@ def run_readings(model: AbstractTorsionPendulum, t: np.ndarray, x0: np.ndarray) 
 
 @functools.partial(eqx.filter_jit)
 def _simulate_readings(model, t, x0):
-    motion = simulate(model, t, x0, rtol=1e-7, atol=1e-8)
+    motion = simulate(model, t, x0, tolerance=1e-7)
     states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
     y1, y2 = model.readings(motion.t, states)
     return jax.numpy.stack([y1, y2], axis=1)

@@ -72,7 +72,7 @@ def squares(result: Fit) -> HeldOut:
     nw = r.shape[0]
     valid = result.linearisation.valid[:, :-4].reshape(nw, -1, 2)
     error = (r.reshape(nw, -1, 2) * problem.sigma) * valid
-    count = valid.sum(axis=1) - 2.0 * valid.any(axis=1)
+    count = np.maximum(valid.sum(axis=1) - 2.0, 0.0)
     return HeldOut((error**2).sum(axis=1), count, result)
 
 

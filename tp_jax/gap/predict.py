@@ -75,7 +75,7 @@ def times(start: float, duration: float, rate: float) -> np.ndarray:
 
 def readings_of(model, t: np.ndarray, x0: np.ndarray) -> Trajectory:
     """A simulated motion with the sensors' readings in place of the angles."""
-    motion = simulate(model, t, x0, rtol=1e-8, atol=1e-9)
+    motion = simulate(model, t, x0)
     states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
     y1, y2 = model.readings(motion.t, states)
     single = isinstance(model, SingleTorsionPendulum)

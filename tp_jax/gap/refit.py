@@ -10,7 +10,8 @@ from tp_jax.effects import Effect
 from tp_jax.estimation.baseline import Setting, handed_on
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import Anchor, Fit, fit, parameter
-from tp_jax.gap.directions import Variant
+from tp_jax.estimation.problem import Problem
+from tp_jax.gap.directions import Variant, variants
 
 log = logging.getLogger(__name__)
 
@@ -102,6 +103,60 @@ def refit(
     return Refit(result, tuple(variants))
 
 
+def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 20) -> Refit:
+    """The same effects fitted anew from the shortest windows, which are then lengthened.
+
+    A wrong model pushes its parameters into a corner, and over long windows there may be no way
+    downhill from there to where they belong once the effect is in; nor is a shape constant that
+    looks best from that corner the right one. Over short windows there is a way, so the shape's
+    whole grid is tried there.
+
+    Args:
+        setting: the campaign.
+        before: fit without the last effect, for the parameters.
+        trial: direct refit from there.
+        max_iterations: at each window length.
+
+    Returns:
+        Whichever is better, at the windows of `trial`.
+    """
+    *others, last = trial.variants
+    target = trial.fit.problem.windows.horizon
+    horizons = [*(h for h in setting.horizons if h < 0.99 * target), target]
+    stuck = [u for u, b in zip(before.unknowns, before.at_bound, strict=True) if b]
+    start = trial.fit.values.put(before.unknowns, before.values.pick(before.unknowns))
+    start = start.replace({u.name: 0.0 for u in last.unknowns})
+    start = start.replace(_inside(before.problem, stuck))
+    best: Fit | None = None
+    chosen = last
+    problem = setting.problem(horizons[0])
+    for variant in variants(last.effect, setting):
+        found = fit(
+            problem, start.replace(variant.settings), trial.fit.unknowns, bounds=setting.bounds,
+            anchors=trial.fit.anchors, max_iterations=max_iterations // 2, relative=1e-2,
+        )  # fmt: skip
+        if best is None or found.cost < best.cost:
+            best, chosen = found, variant
+    assert best is not None
+    for horizon in horizons:
+        problem = setting.problem(horizon)
+        best = fit(
+            problem, best.values, trial.fit.unknowns, handed_on(best, problem),
+            bounds=setting.bounds, anchors=trial.fit.anchors, max_iterations=max_iterations,
+            relative=1e-3,
+        )  # fmt: skip
+    log.info("%s regrown, %s: chi2/dof %.4g, %s",
+             "+".join(trial.ids), chosen.shapes, best.chi2_dof, best.message)  # fmt: skip
+    better = np.isfinite(best.cost) and best.cost < trial.cost
+    return Refit(best, (*others, chosen)) if better else trial
+
+
+def _inside(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:
+    """Values off their bounds, for parameters that end at zero."""
+    stuck = [u for u in stuck if parameter(problem, u).transform == "identity"]
+    return {u.name: 0.2 * parameter(problem, u).typical for u in stuck}
+
+
 def _moved(values: Values, start: dict[str, float]) -> Values:
     table = values.table.copy()
     for name, value in start.items():
@@ -125,9 +180,8 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
         unknowns.append(Unknown(name))
     done = _again(before, before.values, unknowns, bounds, max_iterations)
     stuck = [u for u, b in zip(done.unknowns, done.at_bound, strict=True) if b]
-    stuck = [u for u in stuck if parameter(done.problem, u).transform == "identity"]
-    if stuck:
-        inside = {u.name: 0.2 * parameter(done.problem, u).typical for u in stuck}
+    inside = _inside(done.problem, stuck)
+    if inside:
         trial = _again(done, done.values.replace(inside), unknowns, bounds, max_iterations)
         done = trial if trial.cost < done.cost else done
     names = {s.name for s in last.effect.shapes}

@@ -1,0 +1,106 @@
+"""Making a trial: nothing here knows the model that is put to the test."""
+
+import dataclasses
+import json
+import multiprocessing
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+from tp_jax._version import __version__
+from tp_jax.blind.case import Settings, make_case
+from tp_jax.blind.plan import Case, plan_cases
+from tp_jax.blind.seal import seal
+from tp_jax.errors import InputError
+
+Progress = Callable[[str, float | None], None]
+
+
+def make(
+    directory: str | os.PathLike[str],
+    cases: int,
+    seed: int = 0,
+    *,
+    settings: Settings | None = None,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> str:
+    """Makes a sealed trial of campaigns, in which something is hidden or nothing.
+
+    It is made beside its place and put there when it is whole; after an interruption the same
+    call goes on where it was.
+
+    Args:
+        directory: where to; must be empty or not there.
+        cases: how many, in the proportions 200 with one effect of the catalogue, 120 without, 60
+            with one from outside it, 60 with two.
+        seed: of everything random; the same seed makes the same trial, whatever `workers`.
+        settings: how campaigns are made.
+        workers: processes that make them.
+        progress: called with a stage's name and the part of it that is done.
+
+    Returns:
+        SHA-256 of the key.
+
+    Raises:
+        InputError: the directory holds something, or there are no cases.
+        OSError: a file cannot be written.
+    """
+    settings = settings or Settings()
+    plan = plan_cases(cases, seed)
+    # its name is not to be "." or ".."
+    root = Path(directory).resolve()
+    if root.is_file() or (root.is_dir() and any(root.iterdir())):
+        raise InputError(f"{directory} is not empty; give a new folder.")
+    part = root.with_name(f".{root.name}.part")
+    _begin(part, {"cases": cases, "seed": seed, **dataclasses.asdict(settings)})
+    made: dict[str, dict[str, Any]] = {}
+    for name, entry in _made(part, plan, settings, workers):
+        made[name] = entry
+        if progress is not None:
+            progress("making cases", len(made) / len(plan))
+    for case in plan:  # each is in the key now
+        (part / "sealed" / case.name / "key.json").unlink()
+    (part / "trial.json").unlink()
+    key = {
+        "version": __version__, "seed": seed, "settings": dataclasses.asdict(settings),
+        "cases": [made[case.name] for case in plan],
+    }  # fmt: skip
+    digest = seal(part, key)
+    root.parent.mkdir(parents=True, exist_ok=True)
+    if root.is_dir():
+        root.rmdir()
+    part.rename(root)
+    return digest
+
+
+def _begin(part: Path, wanted: dict[str, Any]) -> None:
+    """The folder in which a trial grows; what is there of another trial goes."""
+    note = part / "trial.json"
+    if part.is_dir():
+        if note.is_file() and note.read_text(encoding="utf-8") == json.dumps(wanted):
+            return
+        shutil.rmtree(part)
+    part.mkdir(parents=True)
+    note.write_text(json.dumps(wanted), encoding="utf-8")
+
+
+def _made(
+    part: Path, plan: list[Case], settings: Settings, workers: int
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Cases as they are done."""
+    if workers <= 1:
+        for case in plan:
+            yield case.name, make_case(part, case, settings)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        waiting = {pool.submit(make_case, part, case, settings): case for case in plan}
+        try:
+            for done in as_completed(waiting):
+                yield waiting[done].name, done.result()
+        finally:
+            pool.shutdown(cancel_futures=True)

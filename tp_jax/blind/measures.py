@@ -1,0 +1,38 @@
+"""Shares and means with their 95 % intervals."""
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+CONFIDENCE = 0.95
+DRAWS = 5000
+
+
+def share(answers: Sequence[bool]) -> dict[str, Any]:
+    """Part of yes among answers, with Wilson's interval; nulls where there are none."""
+    n = len(answers)
+    if n == 0:
+        return {"value": None, "n": 0, "ci95": None}
+    yes = sum(map(bool, answers))
+    ends = stats.binomtest(yes, n).proportion_ci(CONFIDENCE, method="wilson")
+    return {"value": yes / n, "n": n, "ci95": [float(ends.low), float(ends.high)]}
+
+
+def mean(values: Sequence[float], seed: int = 0) -> dict[str, Any]:
+    """Mean with an interval from resampling (percentiles); none from fewer than two values."""
+    x = np.asarray(values, dtype=float)
+    if x.size == 0:
+        return {"value": None, "n": 0, "ci95": None}
+    ci95 = None
+    if x.size > 1:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # all values the same
+            found = stats.bootstrap(
+                (x,), np.mean, confidence_level=CONFIDENCE, n_resamples=DRAWS,
+                method="percentile", rng=np.random.default_rng(seed),
+            ).confidence_interval  # fmt: skip
+        ci95 = [float(found.low), float(found.high)]
+    return {"value": float(x.mean()), "n": int(x.size), "ci95": ci95}

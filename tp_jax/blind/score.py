@@ -1,0 +1,162 @@
+"""The score of a trial: the key is opened, and every diagnosis held against it."""
+
+import os
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tp_jax.blind.judge import judge, said
+from tp_jax.blind.measures import mean, share
+from tp_jax.blind.seal import open_key, read_diagnosis
+
+SCHEMA = "tp-jax/blind/1"
+BANDS = ((0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 5.0), (5.0, 10.0), (10.0, np.inf))
+ENOUGH = 3.0  # times the minimum detectable size: from here on most should be right
+NEAR = 0.1  # a shrink so near the best possible is right
+QUESTIONS = (
+    "top1", "top3", "location", "false_alarm", "unknown", "both_named",
+    "top1_alone", "channel", "channel_outside", "one_named",
+)  # fmt: skip
+
+Progress = Callable[[str, float | None], None]
+#: root, part of the key, diagnosis -> {"shrink": .., "best": ..}; see `sealed_runs`.
+Shrinks = Callable[[Path, Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
+
+
+def score(
+    directory: str | os.PathLike[str],
+    *,
+    shrinks: Shrinks | None = None,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Opens the key and scores all diagnoses.
+
+    Args:
+        directory: a trial that `make` made and of which every case is diagnosed.
+        shrinks: how much of the removable gap a diagnosis takes from runs that were never given,
+            and the most that could be; `sealed_runs.measured` computes both. If None, the
+            diagnosis' own shrink on the recording it held out itself stands for the one, and 1
+            for the other.
+        progress: called with a stage's name and the part of it that is done.
+
+    Returns:
+        Plain data for JSON, schema tp-jax/blind/1. Measures have "value", "n" and "ci95", shares
+        Wilson's. Those on top are over all sizes; "from_3" has the same for effects of three times
+        their minimum detectable size or more, "bands" between two multiples of it.
+
+    Raises:
+        InputError: a diagnosis is missing or is none, or the key is not the one committed to.
+    """
+    root = Path(directory)
+    entries = open_key(root)["cases"]
+    rows = []
+    for i, entry in enumerate(entries):
+        if progress is not None:
+            progress("scoring cases", i / len(entries))
+        diagnosis = read_diagnosis(root, entry)
+        row = judge(entry, diagnosis)
+        if entry["kind"] in ("one", "two"):
+            row["shrink"] = dict((shrinks or own_held_out)(root, entry, diagnosis))
+        rows.append(row)
+    scored = {"schema": SCHEMA, "cases": len(rows), **summary(rows)}
+    scored["shrink_error"]["on"] = "the run it held out" if shrinks is None else "sealed runs"
+    return scored
+
+
+def own_held_out(
+    root: Path,  # noqa: ARG001
+    entry: Mapping[str, Any],  # noqa: ARG001
+    diagnosis: Mapping[str, Any],
+) -> dict[str, float | None]:
+    """The shrink that a diagnosis gives itself, on the recording it held out."""
+    return {"shrink": (diagnosis.get("gap") or {}).get("shrink"), "best": 1.0}
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """All measures of judged cases."""
+    return {
+        **measures(rows),
+        "confusion": confusion(rows),
+        "kinds": dict(Counter(row["kind"] for row in rows)),
+        "from_3": measures([row for row in rows if (row["multiple"] or 0.0) >= ENOUGH]),
+        "bands": [
+            {
+                "from": low,
+                "to": high if np.isfinite(high) else None,
+                **measures([row for row in rows if _within(row, low, high)]),
+            }
+            for low, high in BANDS
+        ],
+        "effects": by_effect(rows),
+        "rows": list(rows),
+    }
+
+
+def measures(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Every share that the cases answer, the error of shrink, and the coverage of intervals."""
+    out: dict[str, Any] = {}
+    for question in QUESTIONS:
+        asked = rows
+        if question == "channel_outside":
+            asked = [row for row in rows if row["kind"] == "outside"]
+        name = question.removesuffix("_outside")
+        out[question] = share([row[name] for row in asked if row[name] is not None])
+    # a model that does worse than the baseline takes nothing away
+    errors = [
+        abs(_clipped(row["shrink"]["best"]) - _clipped(row["shrink"]["shrink"]))
+        for row in rows
+        if row.get("shrink") and row["shrink"]["shrink"] is not None
+        and row["shrink"]["best"] is not None
+    ]  # fmt: skip
+    out["shrink_error"] = mean(errors)
+    out["shrink_near"] = share([error <= NEAR for error in errors])
+    for what in ("amplitudes", "parameters"):
+        held = [yes for row in rows if row["coverage"] for yes in row["coverage"][what]]
+        out[f"coverage_{what}"] = share(held)
+    return out
+
+
+def confusion(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
+    """What was hidden -> what was said first -> how often; ties not counted as one.
+
+    Two effects at once are in it as "one + other".
+    """
+    table: dict[str, Counter[str]] = {}
+    for row in rows:
+        hidden = " + ".join(sorted(row["effects"])) or "none"
+        answer = said(row)
+        if row["kind"] == "two" and row["causes"]:
+            answer = " + ".join(sorted(row["causes"]))
+        table.setdefault(hidden, Counter())[answer] += 1
+    return {hidden: dict(table[hidden].most_common()) for hidden in sorted(table)}
+
+
+def by_effect(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Effect, alone in its rig -> how well it is found; ids of the catalogue and outside it."""
+    single = [row for row in rows if row["kind"] in ("one", "outside")]
+    out = {}
+    for id in sorted({row["effects"][0] for row in single}):
+        mine = [row for row in single if row["effects"][0] == id]
+        wrong = Counter(said(row) for row in mine if not (row["top1"] or row["unknown"]))
+        out[id] = {
+            "kind": mine[0]["kind"],
+            "multiple": float(np.median([row["multiple"] for row in mine])),
+            "top1": share([row["top1"] for row in mine if row["top1"] is not None]),
+            "top3": share([row["top3"] for row in mine if row["top3"] is not None]),
+            "location": share([row["location"] for row in mine if row["location"] is not None]),
+            "unknown": share([row["unknown"] for row in mine if row["unknown"] is not None]),
+            "channel": share([row["channel"] for row in mine]),
+            "instead": dict(wrong.most_common(3)),
+        }
+    return out
+
+
+def _within(row: Mapping[str, Any], low: float, high: float) -> bool:
+    return row["multiple"] is not None and low <= row["multiple"] < high
+
+
+def _clipped(shrink: float) -> float:
+    return min(max(shrink, 0.0), 1.0)

@@ -1,0 +1,98 @@
+"""The key: written once, committed to by its hash, opened when every diagnosis is there."""
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tp_jax.errors import InputError
+
+KEY = Path("sealed", "key.json")
+COMMITMENT = "KEY.sha256"
+SCHEMA = "tp-jax/blind-key/1"
+
+
+def seal(root: Path, key: Mapping[str, Any]) -> str:
+    """Writes the key for its owner's eyes only, and its SHA-256 for everybody's; returns that."""
+    text = json.dumps({"schema": SCHEMA, **key}, indent=1, allow_nan=False).encode()
+    digest = hashlib.sha256(text).hexdigest()
+    file = root / KEY
+    file.parent.mkdir(parents=True, exist_ok=True)
+    os.chmod(file.parent, 0o700)
+    with open(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
+        stream.write(text)
+    (root / COMMITMENT).write_text(f"{digest}  {KEY.as_posix()}\n", encoding="ascii")
+    return digest
+
+
+def case_names(root: Path) -> list[str]:
+    """Cases of a trial, in order; the key is not looked at.
+
+    Raises:
+        InputError: the folder holds no trial.
+    """
+    names = sorted(path.parent.name for path in root.glob("case-*/campaign.toml"))
+    if not names or not (root / COMMITMENT).is_file():
+        raise InputError(f"{root} holds no blind trial; make one with `tp-jax blind make`.")
+    return names
+
+
+def diagnosis_file(root: Path, case: str) -> Path:
+    """Where the diagnosis of a case belongs."""
+    return root / f"{case}-diagnosis" / "diagnosis.json"
+
+
+def undiagnosed(root: Path) -> list[str]:
+    """Cases without a diagnosis."""
+    return [name for name in case_names(root) if not diagnosis_file(root, name).is_file()]
+
+
+def open_key(root: Path) -> dict[str, Any]:
+    """What was hidden.
+
+    Raises:
+        InputError: a diagnosis is missing, or the key is not the one that was committed to.
+    """
+    names = case_names(root)
+    missing = undiagnosed(root)
+    if missing:
+        raise InputError(
+            f"The key stays sealed until every case has its diagnosis, but {len(missing)} of "
+            f"{len(names)} have none, the first {missing[0]}; write "
+            f"{diagnosis_file(root, missing[0])} with `tp-jax diagnose`."
+        )
+    try:
+        text = (root / KEY).read_bytes()
+        committed = (root / COMMITMENT).read_text(encoding="ascii").split()[0]
+    except (OSError, ValueError, IndexError) as fault:
+        raise InputError(f"The key of {root} cannot be read: {fault}.") from fault
+    if hashlib.sha256(text).hexdigest() != committed:
+        raise InputError(
+            f"{root / KEY} is not the key that {COMMITMENT} commits to; the trial is void, "
+            "make another."
+        )
+    key = json.loads(text)
+    if [entry["case"] for entry in key["cases"]] != names:
+        raise InputError(f"The cases in {root} are not those of its key; put them back.")
+    return key
+
+
+def read_diagnosis(root: Path, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """The diagnosis of a case, of the very data that were given.
+
+    Raises:
+        InputError: it is no diagnosis, or one of other data.
+    """
+    file = diagnosis_file(root, entry["case"])
+    try:
+        diagnosis = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as fault:
+        raise InputError(f"{file} is no diagnosis: {fault}.") from fault
+    if not isinstance(diagnosis, dict) or "verdict" not in diagnosis:
+        raise InputError(f"{file} is no diagnosis: it has no verdict.")
+    seen = (diagnosis.get("provenance") or {}).get("data_sha256")
+    if seen is not None and seen != entry["sha256"]:
+        raise InputError(f"{file} is a diagnosis of other data than {entry['case']} holds.")
+    return diagnosis

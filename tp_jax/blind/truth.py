@@ -1,0 +1,79 @@
+"""What is true of a case, in the terms of its diagnosis."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+
+def channels(entry: Mapping[str, Any]) -> set[str]:
+    """Channels in which the hidden effects show."""
+    return {effect["channel"] for effect in entry["given"]["effects"].values()}
+
+
+def location(entry: Mapping[str, Any], id: str) -> str:
+    """Where a hidden effect is."""
+    return entry["given"]["effects"][id]["location"]
+
+
+def size(entry: Mapping[str, Any], id: str, diagnosis: Mapping[str, Any]) -> float:
+    """Length of a hidden effect's vector of amplitudes, in its unit.
+
+    Where every run has amplitudes of its own, of those in the fitted runs; less their mean, where
+    only the differences matter.
+    """
+    effect = entry["given"]["effects"][id]
+    held_out = (diagnosis.get("gap") or {}).get("held_out") or []
+    values = [
+        run["values"][id]
+        for run in entry["given"]["runs"]
+        if id in run["values"]
+        and run["file"] not in held_out
+        # a motor that stands has no frequency
+        and ("omega" in run or effect["location"] != "drive")
+    ]
+    if not values:
+        return math.hypot(*effect["sizes"].values())
+    table = np.array(values)
+    if id == "contact_repeatability":
+        table = table - table.mean(axis=0)
+    return float(np.linalg.norm(table))
+
+
+def multiple(entry: Mapping[str, Any], id: str, diagnosis: Mapping[str, Any]) -> tuple[float, str]:
+    """Size over the minimum detectable one, and by whose scale that is.
+
+    The diagnosis' own where it has one ("diagnosis"), else the one that was measured on the rig
+    when the case was made ("reference"), as for effects outside the catalogue.
+    """
+    least = ((diagnosis.get("minimum_detectable") or {}).get(id) or {}).get("value")
+    if least:
+        return size(entry, id, diagnosis) / least, "diagnosis"
+    return float(entry["reference"][id]["multiple"]), "reference"
+
+
+def covered(entry: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> dict[str, list[bool]]:
+    """Whether intervals hold the truth: of the amplitudes, and of the rig's parameters.
+
+    Asked only where the model that was found is the true one, effect by effect.
+    """
+    hidden = entry["given"]["effects"]
+    causes = {cause["effect"]: cause for cause in diagnosis.get("causes") or []}
+    out: dict[str, list[bool]] = {"amplitudes": [], "parameters": []}
+    if set(causes) != set(hidden):
+        return out
+    for id, cause in causes.items():
+        for name, true in hidden[id]["sizes"].items():
+            _ask(out["amplitudes"], (cause.get("parameters") or {}).get(name), true)
+    for name, true in entry["given"]["parameters"].items():
+        _ask(out["parameters"], (diagnosis.get("parameters") or {}).get(name), true)
+    return out
+
+
+def _ask(answers: list[bool], estimate: Mapping[str, Any] | None, true: float) -> None:
+    if not estimate or not isinstance(estimate.get("value"), int | float):
+        return
+    ends = estimate.get("ci95")
+    if ends and estimate.get("identifiable", True) and None not in ends and ends[0] < ends[1]:
+        answers.append(bool(ends[0] <= true <= ends[1]))

@@ -1,0 +1,99 @@
+"""tp-jax blind: a sealed trial of the diagnosis, made and scored."""
+
+import argparse
+from pathlib import Path
+
+from tp_jax.cli.arguments import add_common, add_json, add_seed, count
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    parser = subparsers.add_parser(
+        "blind",
+        help="a sealed trial: campaigns with something hidden, scored after the diagnosis",
+        description="A blind trial of the diagnosis on campaigns of the virtual rig, whose hidden "
+        "effects are under seal until every diagnosis is written.",
+    )
+    kinds = parser.add_subparsers(dest="blind_command", metavar="COMMAND", required=True)
+    make = kinds.add_parser(
+        "make",
+        help="make a trial",
+        description="Makes DIR/case-001 and so on, and a sealed key; DIR/KEY.sha256 commits to it. "
+        "Of 440 cases 200 hide one effect of the catalogue, 120 none, 60 one from outside it, 60 "
+        "two.",
+    )
+    make.add_argument("directory", metavar="DIR", help="where to; must be empty or not there")
+    make.add_argument(
+        "--cases", metavar="N", type=count, default=440, help="how many (default 440)"
+    )
+    make.add_argument(
+        "--workers", metavar="N", type=count, help="processes (default: as many as processors)"
+    )
+    add_seed(make)
+    add_common(make)
+    make.set_defaults(run=run_make)
+
+    score = kinds.add_parser(
+        "score",
+        help="open the key and score the diagnoses",
+        description="Scores DIR/case-001-diagnosis/diagnosis.json and so on. The key stays sealed "
+        "until all of them are there.",
+    )
+    score.add_argument("directory", metavar="DIR", help="a trial, every case of it diagnosed")
+    score.add_argument(
+        "--quick", action="store_true",
+        help="take the shrink from each diagnosis instead of from runs that were never given",
+    )  # fmt: skip
+    add_json(score)
+    add_common(score)
+    score.set_defaults(run=run_score)
+
+
+def run_make(args: argparse.Namespace) -> None:
+    import os
+
+    from tp_jax.blind import make
+    from tp_jax.cli.progress import shown
+
+    workers = args.workers or os.cpu_count() or 1
+    with shown(quiet=args.quiet) as progress:
+        digest = make(
+            args.directory, args.cases, args.seed, workers=min(workers, args.cases),
+            progress=progress,
+        )  # fmt: skip
+    if not args.quiet:
+        print(f"Made {args.cases} cases in {args.directory}; SHA-256 of the key: {digest}")
+
+
+def run_score(args: argparse.Namespace) -> None:
+    from tp_jax.blind import score
+    from tp_jax.blind.seal import open_key
+    from tp_jax.cli.output import ready, write_json
+    from tp_jax.cli.progress import shown
+
+    ready(args.json)
+    open_key(Path(args.directory))  # what is wrong is told before anything heavy is loaded
+    with shown(quiet=args.quiet) as progress:
+        scored = score(
+            args.directory, shrinks=None if args.quick else measured_shrinks(), progress=progress
+        )
+    if args.json is not None:
+        write_json(args.json, scored)
+    if args.json != "-" and not args.quiet:
+        from rich.console import Console
+
+        from tp_jax.blind.table import tables
+
+        Console().print(tables(scored))
+
+
+def measured_shrinks():
+    """`sealed_runs.measured`, once JAX is told how to compute."""
+    import tp_jax as tp
+    from tp_jax._config import enable_compilation_cache
+
+    _ = tp.simulate  # the first name that computes sets 64 bits
+    enable_compilation_cache()
+
+    from tp_jax.blind.sealed_runs import measured
+
+    return measured
