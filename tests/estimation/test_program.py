@@ -1,4 +1,4 @@
-"""One compiled program serves the baseline and every effect."""
+"""Few compiled programs serve the baseline and every effect."""
 
 from tests.rigs import bench_problem, bench_values, whole_layout
 from tp_jax.effects.base import HOOKS
@@ -6,12 +6,13 @@ from tp_jax.estimation import program
 from tp_jax.estimation.problem import DIRECTIONS
 
 
-def test_one_trace_serves_all():
+def test_a_trace_for_each_group_serves_all():
     layout, values = whole_layout(), bench_values()
     amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes(frozenset(HOOKS)))
     assert len(amplitudes) > 2 * DIRECTIONS
     problem = bench_problem(0.25, (0, 1))
-    problem.linearise(values, problem.initial_states(), ("k",))
+    for slot in ("k", "contact_stribeck.a", "spring_asymmetry.a"):
+        problem.linearise(values, problem.initial_states(), (slot,))
     program.TRACES, kept = [], program.TRACES
     try:
         for horizon in (0.25, 0.1, 0.05):

@@ -8,7 +8,7 @@ import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Layout, Values
-from tp_jax.simulation.lanes import Lanes, Motion, integrate
+from tp_jax.simulation.lanes import Lanes, integrate
 
 
 class FreeRunObjective:
@@ -60,7 +60,7 @@ def _readings(layout, p, states, ts, count, pieces):
     eps = (layout.index["eps1"], layout.index["eps2"])
     lanes = Lanes(ts, count, start, states, pieces)
     none = jnp.zeros(0, int)
-    run = integrate([Motion(field, ())], slots, lanes, eps, jnp.asarray(0), none, max_steps=400_000)
+    run = integrate(field, slots, lanes, eps, none, (), max_steps=400_000)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))
     wide = tuple(jnp.broadcast_to(q, ts.shape) for q in slots)
     out = jnp.stack(layout.model(wide).readings(ts, y), axis=1)

@@ -78,6 +78,13 @@ class Layout:
             for a in e.amplitudes
         )
 
+    @functools.cached_property
+    def estimable(self) -> tuple[int, ...]:
+        """Slots that may be unknown: neither given, nor settings, nor shapes from a grid."""
+        fixed = {p.name for p in (*SETTINGS, *GIVEN)} - {"reaction"}
+        fixed |= {e.qualified(s.name) for e in self.effects for s in e.shapes if not s.continuous}
+        return tuple(i for i, p in enumerate(self.parameters) if p.name not in fixed)
+
     @property
     def n_states(self) -> int:
         """Number of states."""

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tp_jax.estimation.layout import Layout, Unknown, Values
-from tp_jax.estimation.program import Block, linearise
+from tp_jax.estimation.program import COLUMN, CONTACT, Block, groups, linearise
 from tp_jax.estimation.windows import Prepared, Windows
 from tp_jax.simulation.lanes import Tolerances
 
@@ -164,10 +164,9 @@ class Problem:
             slots: names to differentiate by; any number, taken in fixed portions.
         """
         index = [self.layout.index[s] for s in slots]
-        portions = [index[i : i + DIRECTIONS] for i in range(0, len(index), DIRECTIONS)] or [[]]
-        spare = self.layout.index["reaction"]
-        portions = [p + [spare] * (DIRECTIONS - len(p)) for p in portions]
+        portions = _portions(self.layout, index)
         jobs = [(b, d) for d in range(len(portions)) for b in range(len(self.blocks()))]
+        spare = self.layout.index["reaction"]
 
         def run(job):
             b, d = job
@@ -177,18 +176,22 @@ class Problem:
             p[:, lane] = values.table[:, self.windows.recording[which]]
             x0 = np.zeros((self.capacity, self.layout.n_states, LANES))
             x0[at, : states.shape[1], lane] = states[which]
+            mine = [index[k] for k in portions[d]]
+            directions = mine + [spare] * (DIRECTIONS - len(mine))
             out = linearise(
-                self.layout, self.tolerances, jnp.asarray(p), jnp.asarray(x0), block,
-                jnp.asarray(portions[d]),
+                self.layout, self.tolerances, groups(self.layout, p, mine), jnp.asarray(p),
+                jnp.asarray(x0), block, jnp.asarray(directions),
             )  # fmt: skip
             return [np.asarray(a) for a in out]
 
         self.blocks()
         with ThreadPoolExecutor(2) as pool:
             results = dict(zip(jobs, pool.map(run, jobs), strict=True))
-        return self._assemble(results, tuple(slots))
+        return self._assemble(results, tuple(slots), portions)
 
-    def _assemble(self, results: dict, slots: tuple[str, ...]) -> Linearisation:
+    def _assemble(
+        self, results: dict, slots: tuple[str, ...], portions: list[list[int]]
+    ) -> Linearisation:
         nw, n, nc = self.windows.n, int(self.windows.count.max()), self.layout.n_states
         m = 2 * n + 4
         r = np.zeros((nw, m))
@@ -200,14 +203,15 @@ class Problem:
         for (b, d), out in results.items():
             res, jac, prior_r, prior_jac, y, done, _ = out
             which, places, block = self.blocks()[b]
-            lo, hi = d * DIRECTIONS, min((d + 1) * DIRECTIONS, len(slots))
+            mine = portions[d]
+            end = nc + len(mine)
             weight = np.asarray(block.weight)
             for i, (_, lane, at) in zip(which, places, strict=True):
                 c = self.windows.count[i]
                 span = slice(at, at + c)
                 part = jac[lane, span].reshape(2 * c, -1)
-                slots_jac[i, : 2 * c, lo:hi] = part[:, nc : nc + hi - lo]
-                slots_jac[i, -4:, lo:hi] = prior_jac[lane, at, :, nc : nc + hi - lo]
+                slots_jac[i, : 2 * c, mine] = part[:, nc:end].T
+                slots_jac[i, -4:, mine] = prior_jac[lane, at, :, nc:end].T
                 if d:
                     continue
                 r[i, : 2 * c] = res[lane, span].reshape(-1)
@@ -236,3 +240,25 @@ def spread(lin: Linearisation, unknowns: Sequence[Unknown]) -> np.ndarray:
         if u.recording is not None:
             out[lin.recording != u.recording, :, j] = 0.0
     return out
+
+
+def _portions(layout: Layout, slots: Sequence[int]) -> list[list[int]]:
+    """Places in `slots`, in portions of no more than a call takes.
+
+    Effects of the contact and of the rest in portions of their own: a motion with both is dearer.
+    What belongs to neither fills up the first.
+    """
+    contact, others = set(layout.amplitudes(CONTACT)), set(layout.amplitudes(COLUMN))
+    sorted_places = [[], [], []]
+    for i, slot in enumerate(slots):
+        sorted_places[1 if slot in contact else 2 if slot in others else 0].append(i)
+    neutral, *acting = sorted_places
+    portions: list[list[int]] = [
+        group[i : i + DIRECTIONS] for group in acting for i in range(0, len(group), DIRECTIONS)
+    ]
+    for place in neutral:
+        roomy = next((p for p in portions if len(p) < DIRECTIONS), None)
+        if roomy is None:
+            portions.append(roomy := [])
+        roomy.append(place)
+    return portions or [[]]

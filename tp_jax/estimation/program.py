@@ -1,14 +1,21 @@
-"""The one compiled program: residuals of a block of windows and their Jacobian."""
+"""The compiled programs: residuals of a block of windows and their Jacobian.
+
+Four integrate: they differ in the effects that the motion carries (`groups`), since most of a
+step's cost, and most of what is compiled, is effects. One makes readings of what they return. Which
+numbers an effect has, and what is differentiated by, is data.
+"""
 
 import functools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax.estimation.layout import Layout
-from tp_jax.simulation.lanes import Lanes, Motion, Tolerances, integrate
+from tp_jax.simulation.lanes import Integrated, Lanes, Tolerances, integrate
 
 NONE = frozenset[str]()
 CONTACT = frozenset({"contact"})
@@ -52,10 +59,24 @@ class Linearised(NamedTuple):
     steps: Int[Array, " L"]
 
 
-@functools.partial(jax.jit, static_argnums=(0, 1))
+def groups(layout: Layout, p: np.ndarray, directions: Sequence[int]) -> frozenset[str]:
+    """Hooks whose effects the motion needs: some have an amplitude or are differentiated by.
+
+    Args:
+        layout: structure of the model. p: (P, ...) its numbers. directions: slots.
+    """
+    hooks = NONE
+    for group in (CONTACT, COLUMN):
+        mine = list(layout.amplitudes(group))
+        if np.any(p[mine]) or not set(directions).isdisjoint(mine):
+            hooks |= group
+    return hooks
+
+
 def linearise(
     layout: Layout,
     tolerances: Tolerances,
+    hooks: frozenset[str],
     p: Float[Array, "P L"],
     x0: Float[Array, "n c L"],
     block: Block,
@@ -66,29 +87,34 @@ def linearise(
     Args:
         layout: structure of the model; static.
         tolerances: of the integration; static.
+        hooks: of the effects that act on the motion, from `groups`; static.
         p: all slots for every lane.
         x0: states at the windows' starts.
         block: the data.
         directions: slots to differentiate by.
     """
+    run = _integrate(layout, tolerances, hooks, p, x0, block, directions)
+    return _observe(layout, p, block, directions, run)
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1, 2))
+def _integrate(layout, tolerances, hooks, p, x0, block, directions) -> Integrated:
+    """States and tangents of a block's windows."""
     kind = (tolerances, block.pieces is None)
-    TRACES.append((layout, p.shape, block.ts.shape, directions.shape, kind))
-    slots = tuple(p)
+    TRACES.append((layout, hooks, p.shape, block.ts.shape, directions.shape, kind))
 
-    def motion(hooks):
-        def field(t, y, q, piece, left):
-            return layout.model(q, piece, left, hooks).derivative(t, y)
+    def field(t, y, q, piece, left):
+        return layout.model(q, piece, left, hooks).derivative(t, y)
 
-        return Motion(field, layout.depends(hooks))
-
-    # The motion is integrated without the effects that are null and not differentiated by: those
-    # of the sensors never matter to it, those of the contact and of the rest may or may not.
-    groups = (CONTACT, COLUMN)
-    motions = [motion(NONE), motion(CONTACT), motion(COLUMN), motion(CONTACT | COLUMN)]
-    choice = sum(2**i * _active(layout, g, p, directions) for i, g in enumerate(groups))
     eps = (layout.index["eps1"], layout.index["eps2"])
     lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
-    run = integrate(motions, slots, lanes, eps, choice, directions, tolerances)
+    return integrate(field, tuple(p), lanes, eps, directions, layout.estimable, tolerances)
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _observe(layout, p, block, directions, run) -> Linearised:
+    """Readings of integrated windows, less the data."""
+    slots = tuple(p)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))  # components (n, L)
     if block.pieces is None:
         piece, left = None, None
@@ -98,19 +124,23 @@ def linearise(
         left = jnp.concatenate([block.ts[:-1], block.ts[-2:-1]])
     wide = tuple(jnp.broadcast_to(q, block.ts.shape) for q in slots)
 
-    # Readings and their rates in one go: the samples need the first two, the prior all four.
+    # Readings and their rates in one go: the samples need the first two, the prior all four. What
+    # an effect of the motion does is in the states; the accelerations, of which a sensor's delay
+    # takes the square of the delay, are those of the pendulum without.
+    @jax.jit
     def readings(t, y, q):
-        model = layout.model(q, piece, left)
+        model = layout.model(q, piece, left, SENSORS)
         f = lambda t, y: jnp.stack(model.readings(t, y))  # noqa: E731
         rates = model.derivative(t, y)
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
         return jnp.concatenate([h, dh])
 
     # What acts on the motion alone reaches the readings through the states only.
-    depends = layout.depends(SENSORS)
+    depends = set(layout.depends(SENSORS)) & set(layout.estimable)
     value, by_state, by_slot = _derivatives(readings, block.ts, y, wide, depends)
     s = run.s.transpose(2, 3, 1, 0)  # (c, m, n, L)
-    jac = sum(by_state[k][:, None] * s[k][None] for k in range(len(y)))  # (4, m, n, L)
+    # The sensors see angles and velocities, not the effects' own states.
+    jac = sum(by_state[k][:, None] * s[k][None] for k in range(4))  # (4, m, n, L)
     nc = len(y)
     jac = jac.at[:, nc:].add(jnp.take(by_slot, directions, axis=1))
     weight = block.weight.transpose(1, 0, 2)
@@ -128,20 +158,13 @@ def linearise(
     )
 
 
-def _active(layout: Layout, hooks: frozenset[str], p: Array, directions: Array) -> Array:
-    """Whether any effect at these hooks has an amplitude or is differentiated by (0 or 1)."""
-    mine = jnp.asarray(layout.amplitudes(hooks), int)
-    active = jnp.any(p[mine] != 0.0) | jnp.any(jnp.isin(directions, mine))
-    return active.astype(int)
-
-
 def _derivatives(f, t, y, q, depends):
     """Value, derivatives by component and by slot of `f(t, y, q)`, one tangent at a time."""
     one = jnp.ones_like(t)
     value = f(t, y, q)
     by_state = [
         jax.jvp(lambda x, k=k: f(t, (*y[:k], x, *y[k + 1 :]), q), (y[k],), (one,))[1]
-        for k in range(len(y))
+        for k in range(4)
     ]
     by_slot = [
         jax.jvp(lambda x, k=k: f(t, y, (*q[:k], x, *q[k + 1 :])), (q[k],), (one,))[1]

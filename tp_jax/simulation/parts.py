@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array
 
 from tp_jax.model.pendulum import AbstractTorsionPendulum
@@ -48,11 +48,12 @@ def take_apart(model: AbstractTorsionPendulum) -> Parts:
             whole[i] = value
         return eqx.combine(jax.tree.unflatten(tree, whole), static).derivative(t, y)
 
-    zeros = [leaf if f else jnp.zeros(()) for leaf, f in zip(leaves, fixed, strict=True)]
+    zero = np.zeros(())  # on the host: an operation on a device costs as much as a hundred steps
+    zeros = [leaf if f else zero for leaf, f in zip(leaves, fixed, strict=True)]
     template = eqx.combine(jax.tree.unflatten(tree, zeros), static)
     kept = tuple(names[i] for i in numbers)
     eps = tuple(kept.index(n) for n in ("bearing.eps", "contact.eps") if n in kept)
     return Parts(
-        kept, tuple(jnp.asarray(leaves[i]) for i in numbers), field, (eps[0], eps[-1]),
+        kept, tuple(leaves[i] for i in numbers), field, (eps[0], eps[-1]),
         model.n_states, template,
     )  # fmt: skip

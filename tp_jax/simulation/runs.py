@@ -20,7 +20,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax.simulation.control import Control, error_ratio, factor, reversal_rate
-from tp_jax.simulation.step import Field, Structure, advance, between, structure
+from tp_jax.simulation.step import Field, Restart, Stepped, Structure, advance, between, structure
 from tp_jax.simulation.tableau import RODAS4
 from tp_jax.simulation.tangents import Curvature, curvature, differentiate, linear
 
@@ -96,6 +96,7 @@ def integrate(
         max_steps: a run that needs more attempts is given up.
         active: only the first so many runs; all if None. Data: an array may be longer than needed.
     """
+    field = jax.jit(field)  # traced once, though it is differentiated by everything
     active = y0.shape[1] if active is None else active
     ts, y0 = jnp.asarray(ts), jnp.asarray(y0)
     n_runs, n = y0.shape[1], ts.size
@@ -160,8 +161,8 @@ def integrate(
             # One by one: stacked first, every element would ask which of them it comes from.
             for r in range(per_step):
                 for j, value in enumerate(found[r]):
-                    rows[j] = _put(rows[j], value, i, r)
-                places = _put(places, place[r], i, r)
+                    rows[j] = put(rows[j], value, i, r)
+                places = put(places, place[r], i, r)
             return i + 1, lanes, rows, places
 
         rows = [jnp.zeros((PASSES, per_step, run.size))] * wanted
@@ -229,13 +230,9 @@ def _pass(
     beyond = jnp.minimum(k + per_step, n - 1)
     room = (ts[beyond] - t) * jnp.where(k + per_step < n, 1.0 - 1e-9, 1.0)
     room = jnp.where(active, room, 1.0)
-    h = 1.0 / jnp.maximum(jnp.maximum(1.0 / lanes.h, 1.0 / room), reversal_rate(y, f, e, c))
-
-    new = advance(field, shape, RODAS4, t, h, y, f, q)
-    natural = jnp.ones_like(t) * _natural(field, t, y, q)
-    ratio = error_ratio(y, new.y, new.error, e, natural, c)
+    h, new, ratio = attempt(field, shape, t, lanes.h, room, y, f, q, e, c)
     accept = active & (ratio <= 1.0)
-    rate = _clock(field, t, y, q)
+    rate = clock_rate(field, t, y, q)
 
     inside = [(ts[jnp.minimum(k + r, n - 1)] - t) / h for r in range(per_step)]
 
@@ -265,7 +262,7 @@ def _pass(
         fs = [keep(a, b) for a, b in zip(f_end, fs, strict=True)]
         doubt = doubt + jnp.where(accept, jnp.abs(wrong[0]) + jnp.abs(wrong[1]), 0.0)
     # A sample just on the step's end belongs to it.
-    passed = [accept & (k + r < n) & (x <= 1.0 + 1e-9) for r, x in enumerate(inside)]
+    passed = [accept & (k + r < n) & reached(x, h, t) for r, x in enumerate(inside)]
     place = [jnp.where(m, k + r, n) for r, m in enumerate(passed)]
     after = _Lanes(
         t=jnp.where(accept, t + h, t),
@@ -279,7 +276,27 @@ def _pass(
     return after, rows, place
 
 
-def _put(rows: Array, value: Array, i: Array, r: int) -> Array:
+def attempt(
+    field: Field, shape: Structure, t: Array, h: Array, room: Array, y: list[Array],
+    f: list[Array], q: tuple, e: tuple, c: Control, restart: Restart | None = None,
+) -> tuple[Array, Stepped, Array]:  # fmt: skip
+    """A step of the size that the control wants, no longer than `room`.
+
+    Returns:
+        Its size [s], the step, and its error against what is allowed (`control.error_ratio`).
+    """
+    h = 1.0 / jnp.maximum(jnp.maximum(1.0 / h, 1.0 / room), reversal_rate(y, f, e, c))
+    new = advance(field, shape, RODAS4, t, h, y, f, q, restart)
+    natural = jnp.ones_like(t) * _natural(field, t, y, q)
+    return h, new, error_ratio(y, new.y, new.error, e, natural, c)
+
+
+def reached(x: Array, h: Array, t: Array) -> Array:
+    """Whether a step of size h from t comes to the sample x steps away, but for rounding."""
+    return x <= 1.0 + 1e-9 + 4e-16 * jnp.maximum(jnp.abs(t), h) / h
+
+
+def put(rows: Array, value: Array, i: Array, r: int) -> Array:
     """`rows` with `value` at (i, r)."""
     place = (i, r, *[0] * value.ndim)
     return jax.lax.dynamic_update_slice(rows, value[None, None], place)
@@ -291,6 +308,6 @@ def _natural(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
     return jnp.sqrt(jnp.maximum(jnp.abs(pull), 1e-12))
 
 
-def _clock(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
+def clock_rate(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
     """True seconds per recorded second: how fast an angle follows its velocity."""
     return jax.jvp(lambda x: field(t, (*y[:2], x, *y[3:]), q)[0], (y[2],), (jnp.ones_like(t),))[1]

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
@@ -92,10 +91,10 @@ def sensitivities(
                 f"Argument `by` names {name!r}, which the model does not have; "
                 f"it has {', '.join(parts.names)}."
             )
-    places = jnp.array([parts.names.index(name) for name in by], int)
-    control = Control(angle=jnp.asarray(tolerance))
-    p = jnp.stack(parts.values)
-    ran = _run(parts.template, p, y0, ts, control, places, jnp.asarray(max_steps))
+    places = np.array([parts.names.index(name) for name in by], int)
+    control = Control(angle=np.asarray(tolerance, float))
+    p = np.array([float(v) for v in parts.values])
+    ran = _run(parts.template, p, y0, ts, control, places, np.asarray(max_steps))
     y, s, error = np.asarray(ran.y[0]), np.asarray(ran.s[0]), np.asarray(ran.error[0])
     span = float(ts[-1] - ts[0])
     own = len(y0)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from tp_jax.model.pendulum import AbstractTorsionPendulum
@@ -76,7 +77,7 @@ def simulate(
         )
     inputs = jnp.stack([*parts.values, *y0])
     ys = _run(parts.template, inputs, ts, jnp.asarray(tolerance, float), solver, max_steps)
-    return Trajectory(ts, ys[:, 0], ys[:, 1], ys[:, 2], ys[:, 3])
+    return Trajectory(jnp.asarray(ts), ys[:, 0], ys[:, 1], ys[:, 2], ys[:, 3])
 
 
 @eqx.filter_jit
@@ -91,15 +92,18 @@ def checked(
     model: AbstractTorsionPendulum, ts: Array, y0: Array | None
 ) -> tuple[Float[Array, " n"], Float[Array, " m"]]:
     """Times and initial state as arrays, rest if None; ValueError where their shapes are wrong."""
-    ts = jnp.asarray(ts, dtype=float)
+    # What is not traced stays on the host: a small operation on a device costs many steps.
+    here = np if not isinstance(ts, jax.core.Tracer) else jnp
+    ts = here.asarray(ts, dtype=float)
     if ts.ndim != 1 or ts.size < 2:
         raise ValueError(
             f"Argument `ts` must hold at least two times in one row, but has shape {ts.shape}."
         )
     # under `jit` they are not known yet
-    if not isinstance(ts, jax.core.Tracer) and not bool((ts[1:] > ts[:-1]).all()):
+    if here is np and not (ts[1:] > ts[:-1]).all():
         raise ValueError("Argument `ts` must increase from each time to the next.")
-    y0 = jnp.zeros(model.n_states) if y0 is None else jnp.asarray(y0, dtype=float)
+    here = np if not isinstance(y0, jax.core.Tracer) else jnp
+    y0 = np.zeros(model.n_states) if y0 is None else here.asarray(y0, dtype=float)
     if y0.shape != (model.n_states,):
         raise ValueError(f"Argument `y0` must have shape ({model.n_states},), but has {y0.shape}.")
     return ts, y0

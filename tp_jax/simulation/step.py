@@ -27,6 +27,19 @@ class Structure(NamedTuple):
     by_time: np.ndarray
 
 
+class Restart(NamedTuple):
+    """Lanes that do not step but go on from elsewhere.
+
+    where: (L,) which; t: (L,) time there [s]; y: list of (L,), the state; p: tuple of (L,), the
+    parameters there.
+    """
+
+    where: Array
+    t: Array
+    y: list[Array]
+    p: tuple
+
+
 class Stepped(NamedTuple):
     """A step: state y and its derivatives f at the end, embedded errors, stages; of (L,)."""
 
@@ -71,6 +84,7 @@ def advance(
     y: list[Array],
     f: list[Array],
     p: tuple,
+    restart: Restart | None = None,
 ) -> Stepped:
     """One step of size h from state y with derivatives f."""
     n = len(y)
@@ -96,7 +110,21 @@ def advance(
         stages.append(solve(right))
     end = [settle(y[j] + combine(method.b, stages, j), h) for j in range(n)]
     error = [combine(method.b_error, stages, j) for j in range(n)]
-    return Stepped(end, list(field(t + h, tuple(end), p)), error, stages)
+    return Stepped(end, list(field(*after(t + h, end, p, restart))), error, stages)
+
+
+def after(
+    t: Array, y: list[Array], p: tuple, restart: Restart | None
+) -> tuple[Array, tuple, tuple]:
+    """Where a step has come to, or where its lane goes on instead."""
+    if restart is None:
+        return t, tuple(y), p
+    choose = lambda a, b: b if a is b else jnp.where(restart.where, a, b)  # noqa: E731
+    return (
+        choose(restart.t, t),
+        tuple(choose(a, b) for a, b in zip(restart.y, y, strict=True)),
+        tuple(choose(a, b) for a, b in zip(restart.p, p, strict=True)),
+    )
 
 
 def settle(x: Array, h: Array) -> Array:

@@ -19,7 +19,7 @@ from jaxtyping import Array, Int
 
 from tp_jax.simulation.dependence import dependence
 from tp_jax.simulation.linear_solve import Jacobian, eliminate
-from tp_jax.simulation.step import Field, Structure, combine, jacobian
+from tp_jax.simulation.step import Field, Restart, Structure, after, combine, jacobian
 from tp_jax.simulation.tableau import StageForm
 
 
@@ -92,19 +92,22 @@ def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> L
             d = jax.jvp(g, (y[k],), (one,))[1]
             row = [d[i] if by_state[i, k] else None for i in range(n_out)]
         columns.append(row)
+    if not directions.size:
+        return Linear(columns, [None] * n_out)
     found: list[list[Array]] = [[] for _ in range(n_out)]
-    zero = jnp.zeros_like(one)
     for k in range(len(p)):
-        d = (zero,) * n_out
         if by_parameter[:, k].any():
             g = lambda x, k=k: f(y, (*p[:k], x, *p[k + 1 :]))  # noqa: E731
             d = jax.jvp(g, (p[k],), (one,))[1]
-        for i in range(n_out):
-            found[i].append(d[i])
-    by_direction = [
-        jnp.stack(values)[directions] if by_parameter[i].any() and directions.size else None
-        for i, values in enumerate(found)
-    ]
+            for i in range(n_out):
+                if by_parameter[i, k]:
+                    found[i].append(d[i])
+    by_direction: list[Array | None] = []
+    for i, values in enumerate(found):
+        # row of each parameter among those that matter to this output; the last row is zero
+        row = np.where(by_parameter[i], np.cumsum(by_parameter[i]) - 1, len(values))
+        rows = jnp.stack([*values, jnp.zeros_like(one)])
+        by_direction.append(rows[jnp.asarray(row)[directions]] if values else None)
     return Linear(columns, by_direction)
 
 
@@ -122,6 +125,7 @@ def differentiate(
     fs: list[Array],
     directions: Int[Array, " d"],
     unit: Array,
+    restart: Restart | None = None,
 ) -> tuple[list[Array], list[Array], list[Array]]:
     """Derivatives of a step.
 
@@ -133,6 +137,7 @@ def differentiate(
         unit: (n + nd, L) ones that the compiler does not know to be ones: what is divided by them
             is evaluated once for all its readers (see `linear_solve`; a quotient by what is the
             same for all directions would be turned into a product).
+        restart: lanes that begin a new run, whose derivatives are those of its initial state.
 
     Returns:
         Derivatives of the state at the end, of f there, and of the embedded error.
@@ -158,9 +163,26 @@ def differentiate(
             directions,
         ).along(s, n)  # fmt: skip
 
-    def at(u: list[Array], ti: Array) -> Linear:
-        f = lambda y, p: tuple(field(ti, tuple(y), p))  # noqa: E731
-        return linear(f, u, p, shape.by_state, bends.field_by_parameter, directions)
+    # All points of the step at once: what is evaluated once is compiled once.
+    points = [
+        (t + c * h, [y[j] + combine(a, stages, j) for j in range(n)], p)
+        for a, c in zip(method.a[1:], method.c[1:], strict=True)
+    ]
+    end = [y[j] + combine(method.b, stages, j) for j in range(n)]
+    points.append(after(t + h, end, p, restart))
+    where, states, numbers = zip(*points, strict=True)
+    ts = jnp.concatenate(where)
+    along = linear(
+        lambda y, p: tuple(field(ts, tuple(y), p)),
+        [jnp.concatenate(u) for u in zip(*states, strict=True)],
+        tuple(jnp.concatenate(q) for q in zip(*numbers, strict=True)),
+        shape.by_state, bends.field_by_parameter, directions,
+    )  # fmt: skip
+
+    def change(i: int, s: list[Array]) -> list[Array | None]:
+        """Change of the field at one of the points along S."""
+        part = slice(i * t.size, (i + 1) * t.size)
+        return jax.tree.map(lambda x: x[..., part], along).along(s, n)
 
     def plus(a: Array | None, b: Array | None) -> Array | None:
         return b if a is None else a if b is None else a + b
@@ -168,11 +190,12 @@ def differentiate(
     tangents: list[list[Array]] = []
     for i, k in enumerate(stages):
         if i:
-            u = [y[j] + combine(method.a[i], stages, j) for j in range(n)]
             du = [s[j] + combine(method.a[i], tangents, j) for j in range(n)]
-            change = at(u, t + method.c[i] * h).along(du, n)
             sums = [combine(method.C[i], tangents, j) for j in range(n)]
-            right = [(x if c is None else x + h * c) / h for c, x in zip(change, sums, strict=True)]
+            right = [
+                (x if c is None else x + h * c) / h
+                for c, x in zip(change(i - 1, du), sums, strict=True)
+            ]
         else:
             right = list(fs)
         if method.d[i]:
@@ -184,12 +207,20 @@ def differentiate(
             if x is not None:
                 right[a] = plus(right[a], x * k[b])
         tangents.append([x / unit for x in solve([x / unit for x in right])])
-    end = [y[j] + combine(method.b, stages, j) for j in range(n)]
     s_end = [(s[j] + combine(method.b, tangents, j)) / unit for j in range(n)]
-    f_end = at(end, t + h).along(s_end, n)
+    if restart is not None:
+        s_end = [
+            jnp.where(restart.where, a, b) for a, b in zip(initial(n, unit), s_end, strict=True)
+        ]
+    f_end = change(len(points) - 1, s_end)
     error = [combine(method.b_error, tangents, j) for j in range(n)]
     zero = jnp.zeros_like(s[0])
     return s_end, [zero if x is None else x / unit for x in f_end], error
 
 
-__all__ = ["Curvature", "Jacobian", "curvature", "differentiate"]
+def initial(n: int, like: Array) -> list[Array]:
+    """Derivatives (D, L) of the n components of an initial state."""
+    return [jnp.zeros_like(like).at[j].set(1.0) for j in range(n)]
+
+
+__all__ = ["Curvature", "Jacobian", "curvature", "differentiate", "initial"]
