@@ -130,7 +130,8 @@ def test_unplugged_and_plugged_in_again(tmp_path):
 
 def test_a_rig_that_does_not_come_back(tmp_path):
     out = tmp_path / "run.csv"
-    with emulated(speed=2.0, unplug=(1.0, 1e9)) as rig:
+    # in real time: what is on the line when it is unplugged is lost, and a busy host reads late
+    with emulated(speed=1.0, unplug=(1.0, 1e9)) as rig:
         done = record(port_of(rig), out, Settings(8.0, omega=13.09, reconnect=0.5))
     assert done.state == "unplugged"
     assert "unplugged" in done.fault
