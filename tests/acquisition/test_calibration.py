@@ -56,6 +56,10 @@ def test_the_standard_error_is_what_the_parameters_scatter(law):
     drawn = rng.multivariate_normal(sensor.values, sensor.covariance, 20000)
     read = np.array([SensorCalibration(law, v, sensor.covariance).angle(seen) for v in drawn])
     np.testing.assert_allclose(sensor.standard_error(angle), read.std(axis=0), rtol=0.05)
+    # and its modes are how the errors of different angles go together
+    modes = sensor.error_modes(angle)
+    together = np.cov(read, rowvar=False)
+    np.testing.assert_allclose(modes.T @ modes, together, atol=0.03 * together.max())
 
 
 def test_the_error_grows_towards_the_fold():

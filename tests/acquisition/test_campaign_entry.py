@@ -5,7 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name
+from tp_jax.acquisition.campaign_entry import (
+    append_entry,
+    check_campaign,
+    free_name,
+    unusable,
+)
 from tp_jax.acquisition.metadata import metadata_path
 from tp_jax.acquisition.recorded import Recorded
 from tp_jax.errors import InputError
@@ -78,6 +83,26 @@ def test_a_short_or_interrupted_recording(tmp_path):
     assert not (tmp_path / "campaign.toml").exists()
     assert append_entry(tmp_path, recorded(tmp_path / "b.csv", state="unplugged"))
     assert "# unplugged after 0.499 s" in (tmp_path / "campaign.toml").read_text()
+
+
+def test_a_recording_that_would_keep_the_campaign_from_being_read(tmp_path):
+    good = recorded(tmp_path / "run.csv")
+    assert unusable(tmp_path, good) is None
+    assert append_entry(tmp_path, good)
+    before = (tmp_path / "campaign.toml").read_bytes()
+    t = np.arange(500) / 1000
+    noise = 1e-3 * np.random.default_rng(0).normal(size=500)
+    write_csv(tmp_path / "still.csv", t, noise, noise)
+    still = recorded(tmp_path / "still.csv", None)
+    write_csv(tmp_path / "slow.csv", 2.0 * t, 0.3 * np.sin(20 * t), noise)
+    slow = recorded(tmp_path / "slow.csv")
+    short = recorded(tmp_path / "short.csv", rows=49)
+    for each, part in ((still, "does not move"), (slow, "sample_rate"), (short, "49 samples")):
+        assert part in unusable(tmp_path, each)
+        assert not append_entry(tmp_path, each)
+    assert (tmp_path / "campaign.toml").read_bytes() == before
+    # in a campaign of its own the slow one is as good as any
+    assert unusable(tmp_path / "new", slow) is None
 
 
 @pytest.mark.parametrize(

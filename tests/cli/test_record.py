@@ -75,6 +75,26 @@ def test_a_campaign(tmp_path, capsys):
     assert not np.array_equal(first, again)  # repeated, not copied
 
 
+def test_what_would_spoil_a_campaign_is_kept_beside_it(tmp_path, capsys):
+    folder = tmp_path / "rig"
+    argv = [*FAST, "--duration", "1", "--campaign", str(folder)]
+    assert main([*argv, "--omega", "10", "--quiet"]) == 0
+    before = (folder / "campaign.toml").read_bytes()
+    capsys.readouterr()
+    for more, part in (
+        (["--omega", "9", "--rate", "500"], "sample_rate is 1000"),
+        ([], "not move"),
+    ):
+        assert main([*argv, *more, "--quiet"]) == 2
+        told = capsys.readouterr()
+        assert told.out == ""
+        assert told.err.startswith(f"tp-jax: Not added to the campaign {folder}: ")
+        assert part in told.err
+    assert (folder / "campaign.toml").read_bytes() == before
+    assert {"run-9.csv", "decay.csv"} < {each.name for each in folder.iterdir()}
+    assert len(load_campaign(folder).recordings) == 1
+
+
 def test_a_calibration_of_ones_own(tmp_path):
     calibration = tmp_path / "rig.toml"
     calibration.write_text(
@@ -104,6 +124,12 @@ def test_a_calibration_of_ones_own(tmp_path):
         ([*FAST, "--duration", "1", "--out", "a.csv", "--effect", "tilt"], "ID=SIZE"),
         ([*FAST, "--duration", "1", "--out", "a.csv", "--effect", "a=b"], "must give a a number"),
         ([*FAST, "--duration", "1", "--out", "a.csv", "--effect", "nothing=1"], "nothing"),
+        (
+            [*FAST, "--duration", "1", "--out", "a.csv", "--effect", "contact_stribek=1"],
+            "did you mean contact_stribeck?",
+        ),
+        ([*FAST, "--duration", "1", "--out", "a.csv", "--release", "1.6"], "within ±1.57"),
+        ([*FAST, "--duration", "1", "--out", "a.csv", "--omega", "1e5"], "drive at 100000"),
         ([*FAST, "--duration", "1", "--out", "a.csv", "--corrupt", "1"], "below 1"),
         ([*FAST, "--duration", "1", "--out", "a.csv", "--unplug", "1"], "AT:FOR"),
         ([*FAST, "--duration", "1", "--out", "a.csv", "--calibration", "no.toml"], "no.toml"),
@@ -134,7 +160,7 @@ def test_faults_are_told_in_one_sentence(argv, part, capsys, tmp_path, monkeypat
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("command", [["record"], ["rig"], ["rig", "serve"]])
+@pytest.mark.parametrize("command", [["record"], ["rig"], ["rig", "serve"], ["calibrate"]])
 def test_help_loads_nothing_heavy(command):
     done = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "tp_jax", *command, "--help"],
@@ -156,7 +182,8 @@ def test_a_recording_cut_short_is_kept_and_told(tmp_path, capsys):
     assert load_campaign(folder).recordings[0].duration == pytest.approx(0.5, abs=0.1)
 
 
-def test_interrupting(tmp_path):
+@pytest.mark.parametrize("impatient", [False, True])
+def test_interrupting(impatient, tmp_path):
     out = tmp_path / "run.csv"
     words = [sys.executable, "-m", "tp_jax", "record", "--port", "emulator"]
     child = subprocess.Popen(
@@ -168,6 +195,9 @@ def test_interrupting(tmp_path):
         time.sleep(0.01)
     time.sleep(0.3)
     child.send_signal(signal.SIGINT)
+    if impatient:
+        time.sleep(0.01)
+        child.send_signal(signal.SIGINT)
     told, fault = child.communicate(timeout=20.0)
     assert child.returncode == 130
     assert told.startswith(f"Wrote {out}: ")

@@ -96,6 +96,14 @@ def explained() -> dict:
             "phi2": {"before": (-9 * stick * np.sin(6.3 * t) + noise["phi2"][0]).tolist(),
                      "after": noise["phi2"][1].tolist()},
         }],
+        "recordings": [
+            {"label": "decay.csv", "held_out": False, "forced": False, "omega": None,
+             "duration": 10.0, "samples": 2501},
+            {"label": "run-06.csv", "held_out": False, "forced": True, "omega": 6.0,
+             "duration": 10.0, "samples": 2501},
+            {"label": "run-17.csv", "held_out": True, "forced": True, "omega": None,
+             "duration": 12.0, "samples": 3001},
+        ],
         "notes": ["Ts1, Tst and T0 are nearly confounded in this data."],
     }  # fmt: skip
 

@@ -1,5 +1,6 @@
 """Figures are drawn without pyplot, at every width, from whatever there is."""
 
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -10,12 +11,14 @@ pytest.importorskip("matplotlib")
 
 from matplotlib.figure import Figure
 
-from tp_jax.report import figures, style
+from tp_jax.report import figures, style, write_report
 
 DRAW = {
     "free_run": figures.free_run.draw,
     "close_up": figures.free_run.close_up,
     "residuals": figures.residuals.draw,
+    "state_map": figures.state_map.draw,
+    "moved": figures.moved.draw,
     "candidates": figures.candidates.draw,
     "where": figures.where.draw,
     "gap": figures.gap.draw,
@@ -42,6 +45,84 @@ def test_a_single_pendulum_has_one_channel(made):
     assert len(figures.free_run.draw(made("single")).axes) == 2
     assert len(figures.residuals.draw(made("single")).axes) == 1
     assert len(figures.free_run.draw(made("explained")).axes) == 4
+
+
+def test_the_map_finds_where_the_model_misses(made):
+    """Residuals that grow with a positive angle are largest there, and gone after."""
+    diagnosis = made("explained")
+    curve = diagnosis["curves"][0]["phi1"]["measured"]
+    diagnosis["residuals"][0]["phi1"] = {
+        "before": [9.0 if y > 0.15 else 0.5 for y in curve], "after": [0.5] * len(curve),
+    }  # fmt: skip
+    row = figures.state_map.points(diagnosis)[0]
+    assert row.channel == "phi1"
+    said = figures.state_map.described(diagnosis)
+    angle = float(said.split("φ1 near ")[1].split(" rad")[0])
+    assert angle > 0.12  # the middle of a cell that reaches up from 0.15
+    assert "(9 times the noise)" in said
+
+
+def test_the_map_takes_velocities_from_the_measured_angle(made):
+    diagnosis = made("explained")
+    t = diagnosis["curves"][0]["t"]
+    diagnosis["curves"][0]["phi1"]["measured"] = [math.sin(6.3 * s) for s in t]
+    row = figures.state_map.points(diagnosis)[0]
+    assert max(row.velocity) == pytest.approx(6.3, rel=0.01)
+
+
+def test_a_rider_that_winds_on_is_mapped_within_a_turn(made):
+    diagnosis = made("explained")
+    t = diagnosis["curves"][0]["t"]
+    diagnosis["curves"][0]["phi2"]["measured"] = [9.0 * s for s in t]
+    row = figures.state_map.points(diagnosis)[1]
+    assert -math.pi <= min(row.angle) < max(row.angle) <= math.pi
+
+
+def test_sparse_points_are_not_joined(made):
+    """A line through three points a period would be a motion that never was."""
+    diagnosis = made("explained")
+    thin = figures.free_run.draw(diagnosis)
+    entry = diagnosis["curves"][0]
+    entry["t"] = [100.0 * s for s in entry["t"]]
+    for channel in ("phi1", "phi2"):
+        entry[channel] = {
+            k: [math.sin(2.1 * i) for i in range(len(y))] for k, y in entry[channel].items()
+        }
+    sparse = figures.free_run.draw(diagnosis)
+    joined = [line for line in sparse.axes[0].lines if len(line.get_xdata()) > 1]
+    assert not joined
+    assert len(sparse.axes[0].patches) == 3
+    assert len([line for line in thin.axes[0].lines if len(line.get_xdata()) > 1]) == 3
+    text = style.svg(sparse, "f", "x")
+    assert len(text) < 400_000
+
+
+def test_figures_are_saved_beside_the_report(made, tmp_path):
+    report = tmp_path / "report.html"
+    write_report(made("explained"), report)
+    folder = tmp_path / "figures"
+    names = {path.name for path in folder.iterdir()}
+    stems = {"first", "run-1", "residuals-1", "state-map", "where", "candidates", "moved"}
+    assert names == {f"{stem}.{kind}" for stem in stems for kind in ("png", "svg")}
+    assert (folder / "first.png").read_bytes().startswith(b"\x89PNG")
+    assert "<svg" in (folder / "first.svg").read_text(encoding="utf-8")
+
+
+def test_figures_of_an_earlier_report_go_and_nothing_else(made, tmp_path):
+    folder = tmp_path / "figures"
+    folder.mkdir()
+    for name in ("run-7.png", "mine.png", "run-7.txt"):
+        (folder / name).write_text("x")
+    write_report(made("no_gap"), tmp_path / "report.html")
+    names = {path.name for path in folder.iterdir()}
+    assert "run-7.png" not in names
+    assert "moved.png" not in names
+    assert {"mine.png", "run-7.txt", "run-1.png"} <= names
+
+
+def test_figures_can_be_left_out(made, tmp_path):
+    write_report(made("explained"), tmp_path / "report.html", figures=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
 
 
 def test_gaps_in_curves_are_drawn_over(made):

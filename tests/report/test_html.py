@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from tp_jax.report import style, words
+from tp_jax.report import run_tables, style, tables, words
 from tp_jax.report.html import NO_FIGURES, render, write_report
 
 VOID = {"meta", "link", "br", "img", "hr", "input"}
@@ -101,7 +101,7 @@ def test_sections_of_a_full_diagnosis(made):
     text = render(made("explained"))
     for title in (
         "Before and after",
-        "Residuals over time",
+        "When the gap shows",
         "Where the gap lies",
         "Which effect",
         "What this data cannot tell apart",
@@ -109,9 +109,9 @@ def test_sections_of_a_full_diagnosis(made):
         "Parameters",
         "Next experiment",
         "Notes",
-        "Provenance",
+        "Data and provenance",
     ):
-        assert (f"<h2>{title}</h2>" in text) == (style.available() or "Residuals" not in title)
+        assert (f"<h2>{title}</h2>" in text) == (style.available() or "When" not in title)
     said = Page(text).text
     for part in (
         "contact_stribeck",
@@ -127,6 +127,58 @@ def test_sections_of_a_full_diagnosis(made):
         "reaction_factor",
     ):
         assert part in said
+
+
+def test_recordings_are_listed_with_their_use(made):
+    said = Page(render(made("explained"))).text
+    for part in ("run-06.csv", "6 rad/s", "free decay", "held out, never fitted", "2,501"):
+        assert part in said
+
+
+def test_errors_stand_by_recording_and_angle(made):
+    table = run_tables.runs(made("explained"))
+    assert [row[:2] for row in table.rows] == [("run-17.csv", "φ1"), ("run-17.csv", "φ2")]
+    windows_before, windows_after = table.rows[1][2:4]
+    assert float(windows_before.split()[0]) > 3.0 * float(windows_after.split()[0])
+    assert len(table.head) == 7
+    assert run_tables.runs(made("unknown")).head[2:] == ("windows", "free run", "noise")
+    assert run_tables.runs(made("bare")) is None
+
+
+def test_without_a_cause_there_is_no_after(made):
+    diagnosis = made("no_gap")
+    diagnosis["gap"]["after"] = dict(diagnosis["gap"]["before"])  # as `diagnose` writes it
+    assert "after" not in tables.gap(diagnosis).head
+
+
+def test_a_floor_of_two_parts_is_said(made):
+    diagnosis = made("explained")
+    parts = {"noise": {"phi1": 1e-3, "phi2": 1e-3}, "calibration": {"phi1": 0.0, "phi2": 5e-4}}
+    for calibration, there in ((5e-4, True), (0.0, False), (None, False)):
+        parts["calibration"]["phi2"] = calibration
+        diagnosis["noise_floor_parts"] = parts
+        said = Page(render(diagnosis)).text.replace("\u00a0", " ")
+        assert ("φ2 1.00 mrad of noise and 0.500 mrad that its calibration" in said) == there
+        assert "φ1 1.00 mrad of noise" not in said
+
+
+def test_structure_that_is_left_is_said(made):
+    diagnosis = made("explained")
+    for p, there in ((0.012, True), (0.4, False), (None, False)):
+        diagnosis["gap"]["structure_p_after"] = p
+        assert ("What is left still has structure" in render(diagnosis)) == there
+
+
+def test_a_motion_too_sparse_to_map_is_said(made):
+    pytest.importorskip("matplotlib")
+    diagnosis = made("explained")
+    assert "There is no map over angle and velocity" not in render(diagnosis)
+    for key in ("curves", "residuals"):
+        entry = diagnosis[key][0]
+        entry["t"] = entry["t"][::20]
+        for channel in ("phi1", "phi2"):
+            entry[channel] = {k: y[::20] for k, y in entry[channel].items()}
+    assert "There is no map over angle and velocity" in render(diagnosis)
 
 
 def test_texts_are_escaped(made):

@@ -4,7 +4,7 @@
     text_stream                         or plain lines of `t phi1 phi2`
     timeline, text_timeline             when samples were taken, which are missing
     calibration, unwrap                 volts to angles, with their errors
-    calibration_fit, calibration_file   a calibration from known angles; TOML
+    calibration_run, calibration_fit, calibration_file   one from known angles; TOML
     port -> device -> frame_source, text_source -> recorder     the recording itself: `record`,
                                         of `settings` a `recorded`
     clock                               the rig's clock against the host's
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tp_jax.acquisition.calibration_file import read_calibration as read_calibration
     from tp_jax.acquisition.calibration_file import write_calibration as write_calibration
     from tp_jax.acquisition.calibration_fit import fit_calibration as fit_calibration
+    from tp_jax.acquisition.calibration_run import calibrate as calibrate
     from tp_jax.acquisition.clock import ClockFit as ClockFit
     from tp_jax.acquisition.clock import fit_clock as fit_clock
     from tp_jax.acquisition.port import Port as Port
@@ -40,6 +41,7 @@ _MODULES = {
     "SensorCalibration": "calibration",
     "Settings": "settings",
     "Status": "status",
+    "calibrate": "calibration_run",
     "fit_calibration": "calibration_fit",
     "fit_clock": "clock",
     "read_calibration": "calibration_file",
@@ -55,6 +57,7 @@ __all__ = [
     "SensorCalibration",
     "Settings",
     "Status",
+    "calibrate",
     "fit_calibration",
     "fit_clock",
     "read_calibration",

@@ -114,17 +114,31 @@ class SensorCalibration:
 
         Where the sine law folds back, at ±π/4, a reading says nothing of the angle: infinite.
         """
+        return np.sqrt((self.error_modes(angle) ** 2).sum(axis=0))
+
+    def error_modes(self, angle: ArrayLike) -> np.ndarray:
+        """(p, n) shapes [rad] that make up the error at (n,) angles [rad].
+
+        The angle read is off by their sum, each times a number of its own, normal with standard
+        deviation 1, that is the same at all angles. Infinite where `standard_error` is.
+        """
         angle = np.asarray(angle, dtype=float)
+        p = len(PARAMETERS[self.law])
+        if not self.covariance.any():
+            return np.zeros((p, angle.size))
         by_parameters, by_angle = _derivatives(self.law, self.values, angle)
         # reading = V(θ, p): an error of p moves the angle read by −(V_θ⁺) V_p
         weight = np.sum(by_angle**2, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             per_parameter = np.einsum("nc,ncp->np", by_angle, by_parameters) / weight[:, None]
-            variance = np.einsum("np,pq,nq->n", per_parameter, self.covariance, per_parameter)
         known = weight > (1e-6 * self.values[1]) ** 2
-        if not self.covariance.any():
-            return np.zeros(angle.shape)
-        return np.where(known, np.sqrt(np.maximum(variance, 0.0)), np.inf)
+        # of the correlations: parameters of different units
+        errors = np.array(list(self.errors.values()))
+        scale = np.where(errors > 0.0, errors, 1.0)
+        size, direction = np.linalg.eigh(self.covariance / np.outer(scale, scale))
+        root = scale[:, None] * direction * np.sqrt(np.maximum(size, 0.0))
+        modes = root.T @ np.where(known[:, None], per_parameter, 0.0).T
+        return np.where(known, modes, np.inf)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from tp_jax.acquisition.files import replace_file
 from tp_jax.acquisition.metadata import metadata_path
 from tp_jax.acquisition.recorded import Recorded
 from tp_jax.errors import InputError
-from tp_jax.recordings import LEAST_SAMPLES
+from tp_jax.recordings import LEAST_SAMPLES, load_campaign
+from tp_jax.recordings.checks import check_recording
 
 CAMPAIGN = "campaign.toml"
 
@@ -40,16 +41,36 @@ def free_name(folder: Path, omega: float | None) -> Path:
         number += 1
 
 
+def unusable(folder: Path, recorded: Recorded) -> str | None:
+    """Why a recording would spoil the campaign in the folder, in one sentence; None: it would not.
+
+    One without motion, say, would keep the whole campaign from being read.
+    """
+    if recorded.rows < LEAST_SAMPLES:
+        return f"It has {recorded.rows} samples, but {LEAST_SAMPLES} are needed; record for longer."
+    file = folder / CAMPAIGN
+    try:
+        rig = tomllib.loads(_read(file).lstrip("\ufeff")).get("rig", {}) if file.exists() else {}
+        rate = rig.get("sample_rate")
+        made = load_campaign(recorded.path, omega=recorded.omega, decay=not recorded.forced)
+        check_recording(made.recordings[0], float(rate) if rate else None)
+    except InputError as fault:  # a CampaignError is one
+        return str(fault)
+    except (AttributeError, TypeError, ValueError):
+        return None  # of what is wrong with the campaign's own text its reader knows more
+    return None
+
+
 def append_entry(folder: Path, recorded: Recorded) -> bool:
     """Appends the entry of a recording in the folder; makes the campaign.toml where there is none.
 
     Returns:
-        Whether it was appended: a recording too short to be used is not.
+        Whether it was appended: a recording that is `unusable` is not.
 
     Raises:
         InputError: the campaign.toml cannot be read, written or appended to; the recording stays.
     """
-    if recorded.rows < LEAST_SAMPLES:
+    if unusable(folder, recorded) is not None:
         return False
     file = folder / CAMPAIGN
     entry = _entry(recorded)

@@ -123,9 +123,9 @@ class Device:
         try:
             protocol.message(content)
         except ValueError:
+            largest = max(values, key=abs)
             raise InputError(
-                f"The rig cannot be told to {name} at {', '.join(f'{v:g}' for v in values)}; give "
-                "a smaller number."
+                f"The rig cannot be told to {name} at {largest:g}; give a smaller number."
             ) from None
         found: list[Ack] = []
 

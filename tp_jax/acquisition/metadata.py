@@ -13,7 +13,7 @@ a recording that was cut off tells so itself.
      "drive": {"omega": 13.09, "amplitude": null, "release": null,
                "commanded": true},     // false: a text stream, or a rig without a motor to command
      "calibration": {"source": "...", "phi1": {"law": "sine_cosine", ..., "standard_error":
-                     {"angle": [..], "value": [..], "largest": ..}}},   // rad
+                     {"angle": [..], "value": [..], "modes": [[..], ..], "largest": ..}}},  // rad
      "samples": {"written": 60001, "lost": 0, "implausible": 0, "clipped": {"phi1": 0}},
      "frames": {"good": 60003, "corrupt": 0, "unknown": 0},
      "gaps": [{"after": 20.0, "before": 23.001, "samples": 3000, "cause": "unplugged"}],  // s
@@ -24,7 +24,8 @@ a recording that was cut off tells so itself.
      "time": "..."}                    // in words, what the time column is
 
 `standard_error` is the part of the angle's error that the calibration causes, the same for all
-samples at an angle: it adds, squared, to the noise floor of the readings.
+samples at an angle. `modes` are the shapes over the angle it is made of, independent of each other;
+`value` is their root sum of squares (see `recordings.calibration_error`).
 """
 
 import json
@@ -109,10 +110,12 @@ def identity_entry(identity: Identity | None) -> dict[str, Any] | None:
 
 
 def _sensor(sensor: SensorCalibration, span: tuple[float, float]) -> dict[str, Any]:
-    # the laws repeat themselves after half a turn: a ring that winds needs no more of them
-    low, high = span if span[1] - span[0] < math.pi else (-0.5 * math.pi, 0.5 * math.pi)
-    angle = np.linspace(low, high, 17)
-    error = sensor.standard_error(angle)
+    # a bridge repeats itself after half a turn: a ring that winds needs no more of it
+    winds = span[1] - span[0] >= math.pi and sensor.law != "line"
+    low, high = (-0.5 * math.pi, 0.5 * math.pi) if winds else span
+    angle = np.linspace(low, max(high, low + 1e-3), 25)  # of a body that never moved as well
+    error, modes = sensor.standard_error(angle), sensor.error_modes(angle)
+    modes = modes[modes.any(axis=1)]
     return {
         "law": sensor.law,
         **sensor.parameters,
@@ -120,7 +123,12 @@ def _sensor(sensor: SensorCalibration, span: tuple[float, float]) -> dict[str, A
         "covariance": sensor.covariance,
         "span": sensor.span,
         "residual": sensor.residual,
-        "standard_error": {"angle": angle, "value": error, "largest": float(error.max())},
+        "standard_error": {
+            "angle": angle,
+            "value": error,
+            "modes": modes,
+            "largest": float(error.max()),
+        },
     }
 
 

@@ -6,8 +6,12 @@ as it is; when it has ended, and the host's clock says beyond doubt that the rig
 drive hangs on the same clock, so its frequency is corrected with it.
 """
 
+import signal
+import threading
 import time
 from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +36,9 @@ SIGNIFICANT_SKEW = 5e-5
 """A host's own clock is a crystal as well: below this either of the two may be to blame."""
 
 SIGNIFICANT_ERRORS = 3.0
+
+LARGEST_RELEASE = 0.5 * np.pi
+"""rad; from further on the bridges cannot tell which turn a run began in."""
 
 _STATUS_PERIOD = 0.1
 _PLOT_SAMPLES = 4000
@@ -99,6 +106,19 @@ def correction(fit: ClockFit | None) -> float:
     return 1.0 / (1.0 + fit.skew)
 
 
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Another Ctrl-C does not keep a recording from being closed and described; a second or two."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 class _Recorder:
     """One recording; used once."""
 
@@ -134,13 +154,15 @@ class _Recorder:
             self.state = "failed"
             raise
         finally:
-            self._end(source, log)
+            with uninterrupted():
+                self._end(source, log)
         if self.writer is None:
             raise InputError(
                 f"No sample came from {self.port.name} after the run was started; check that the "
                 "firmware samples."
             )
-        return self._finished(log)
+        with uninterrupted():
+            return self._finished(log)
 
     # The run --------------------------------------------------------------------------------
 
@@ -163,6 +185,11 @@ class _Recorder:
             if wanted.omega:
                 self.omega = ack.value / 1e6
         self.device.samples.clear()
+        if wanted.release is not None and abs(wanted.release) >= LARGEST_RELEASE:
+            raise InputError(
+                f"The column cannot be let go at {wanted.release:g} rad: its sensor repeats itself "
+                "after half a turn; give an angle within ±1.57."
+            )
         if wanted.release is not None:
             begun = self.device.command(protocol.RELEASE, wanted.release)
         else:

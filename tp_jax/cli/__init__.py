@@ -16,7 +16,16 @@ from tp_jax.cli.faults import explain
 
 def build_parser() -> Parser:
     from tp_jax._version import __version__
-    from tp_jax.cli import blind, diagnose, identify, predict, record, rig, simulate
+    from tp_jax.cli import (
+        blind,
+        calibrate,
+        diagnose,
+        identify,
+        predict,
+        record,
+        rig,
+        simulate,
+    )
 
     parser = Parser(
         prog="tp-jax",
@@ -30,7 +39,16 @@ def build_parser() -> Parser:
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     parser.add_argument("--quiet", action="store_true", help="print results and faults only")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for command in (simulate, record, rig, identify, diagnose, predict, blind):
+    for command in (
+        simulate,
+        calibrate,
+        record,
+        rig,
+        identify,
+        diagnose,
+        predict,
+        blind,
+    ):
         command.add_parser(subparsers)
     return parser
 
@@ -45,8 +63,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         args.run(args)
         sys.stdout.flush()
-    except KeyboardInterrupt:
-        print("tp-jax: interrupted.", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        # a command that keeps what it has done says how to go on
+        print(f"tp-jax: {str(stop) or 'interrupted.'}", file=sys.stderr)
         return 130
     except BrokenPipeError:  # the reader has gone, as in `tp-jax simulate | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -19,13 +19,17 @@ if TYPE_CHECKING:
 
 EMULATOR = "emulator"
 
+WORTH_TELLING = 1e-4
+"""Standard error of a clock's skew above which a short recording says nothing of it."""
+
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "record",
         help="record a run of a rig",
         description="Records a run of a rig at a serial port as t,phi1,phi2; what is known of it "
-        "goes beside it, to FILE.csv.meta.json. Ctrl-C ends a recording early and keeps it.",
+        "goes beside it, to FILE.csv.meta.json. Without --omega and --release the motor stands "
+        "still. Ctrl-C ends a recording early and keeps it.",
     )
     parser.add_argument(
         "--port",
@@ -37,10 +41,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--duration", metavar="S", type=positive, required=True, help="seconds of the run"
     )
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--out", metavar="FILE.csv", help="must not be there yet")
+    where.add_argument("--out", metavar="FILE.csv", help="the file to write, never over another")
     where.add_argument(
-        "--campaign", metavar="DIR", help="find a name there, and add it to its campaign.toml"
-    )
+        "--campaign", metavar="DIR",
+        help="or a campaign's folder: a new file there, and its entry in campaign.toml",
+    )  # fmt: skip
     run = parser.add_mutually_exclusive_group()
     run.add_argument("--omega", metavar="W", type=positive, help="drive it at W rad/s")
     run.add_argument(
@@ -55,11 +60,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--patience", metavar="S", type=positive, default=5.0,
-        help="the rig must answer, and may be silent, so long (5)",
+        help="seconds to wait for an answer of the rig, or for samples (5)",
     )  # fmt: skip
     parser.add_argument(
         "--reconnect", metavar="S", type=positive, default=30.0,
-        help="an unplugged rig must be back within (30)",
+        help="seconds to wait for a rig that was unplugged (30)",
     )  # fmt: skip
     add_rig(parser)
     add_json(parser)
@@ -69,9 +74,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run_record(args: argparse.Namespace) -> None:
     from tp_jax.acquisition.calibration_file import read_calibration
-    from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name
+    from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name, unusable
     from tp_jax.acquisition.port import Port
-    from tp_jax.acquisition.recorder import check, record
+    from tp_jax.acquisition.recorder import check, record, uninterrupted
     from tp_jax.acquisition.settings import Settings
     from tp_jax.cli.live import live
     from tp_jax.cli.output import made_folder, ready, write_json
@@ -111,21 +116,25 @@ def run_record(args: argparse.Namespace) -> None:
         port = Port(name, args.baud, lambda: faster * time.monotonic())
         recorded = record(port, out, settings, progress=progress)
 
-    entered = folder is not None and append_entry(folder, recorded)
+    with uninterrupted():
+        unfit = None if folder is None else unusable(folder, recorded)
+        if folder is not None and unfit is None:
+            append_entry(folder, recorded)
     if args.json is not None:
         write_json(args.json, recorded.metadata)
     if not args.quiet and args.json != "-":
         print(summary(recorded))
-        if folder is not None:
-            print(
-                f"Added it to {folder / 'campaign.toml'}"
-                if entered
-                else "Too short to be used: not added to the campaign"
-            )
-    if recorded.fault is not None:
-        raise InputError(recorded.fault)
+        if folder is not None and unfit is None:
+            print(f"Added it to {folder / 'campaign.toml'}")
+    said = [] if recorded.fault is None else [recorded.fault]
+    if unfit is not None:
+        said.append(f"Not added to the campaign {folder}: {unfit}")
     if recorded.state == "interrupted":
+        if said and not args.quiet:
+            print(said[0])
         raise KeyboardInterrupt
+    if said:
+        raise InputError(" ".join(said))
 
 
 def summary(recorded: "Recorded") -> str:
@@ -137,7 +146,7 @@ def summary(recorded: "Recorded") -> str:
         f"Wrote {recorded.path}: {samples['written']} samples in {recorded.duration:.6g} s, "
         f"{samples['lost']} lost, {frames['corrupt']} corrupt {kind}"
     ]
-    if clock is not None:
+    if clock is not None and clock["skew_error"] < WORTH_TELLING:
         done = ", corrected" if clock["applied"] else ""
         lines.append(
             f"The rig's clock is {1e6 * clock['skew']:+.1f} ± {1e6 * clock['skew_error']:.1f} ppm "

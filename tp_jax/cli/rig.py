@@ -60,7 +60,11 @@ def add_rig(parser: argparse.ArgumentParser) -> None:
         "--noise", metavar="RAD", type=non_negative, default=1e-3, help="of the sensors (0.001)"
     )
     group.add_argument(
-        "--skew", metavar="PPM", type=number, default=0.0, help="by which its clock is fast"
+        "--skew",
+        metavar="PPM",
+        type=number,
+        default=0.0,
+        help="parts per million its clock is fast",
     )
     group.add_argument(
         "--corrupt", metavar="FRACTION", type=fraction, default=0.0, help="of bytes damaged"
@@ -72,7 +76,10 @@ def add_rig(parser: argparse.ArgumentParser) -> None:
         "--unplug", metavar="AT:FOR", type=outage, help="unplug it at AT s for FOR s of a run"
     )
     group.add_argument(
-        "--run-duration", metavar="S", type=positive, help="over which hidden drifts run"
+        "--run-duration",
+        metavar="S",
+        type=positive,
+        help="seconds over which hidden drifts run their course",
     )
 
 
@@ -137,6 +144,8 @@ def run_serve(args: argparse.Namespace) -> None:
 
     emulator = made(args)
     print(emulator.port, flush=True)
+    if sys.stderr.isatty() and not args.quiet:
+        print("Serving until Ctrl-C; record with --port and the name above.", file=sys.stderr)
     watch = sys.stdin.fileno() if args.until_stdin_closes else None
     serve_until_interrupted(emulator, watch)
 

@@ -11,7 +11,7 @@ from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.refit import Refit, lengthened, polish, refit, regrown, removable
-from tp_jax.gap.screen import Screen, screen
+from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
 
 log = logging.getLogger(__name__)
@@ -84,7 +84,7 @@ def choose(
         reference = left_out_cost(current.fit)
         refits: dict[str, Refit] = {}
         gains: dict[str, tuple[float, float]] = {}
-        ranked = seen.best()[: REFITTED[n]]
+        ranked = _worth_refitting(setting, seen, structure)[: REFITTED[n]]
         for i, s in enumerate(ranked):
             left = min((removable(r.fit) for r in refits.values()), default=np.inf)
             if i >= ALWAYS and left < SETTLED * noise_only:
@@ -116,6 +116,19 @@ def choose(
             progress("longer windows", None)
             current = lengthened(setting, current)
     return Choice(baseline, tuple(rounds), current)
+
+
+def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:
+    """The effects worth a refit, best first.
+
+    A refit knows nothing of the calibration's error. Where that is known, an effect of a sensor
+    must therefore stand out in the screen, which does, or it would be credited with that error.
+    """
+    ranked = seen.best()
+    if not any(r.calibration_error for r in setting.recordings):
+        return ranked
+    sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < LEVEL}
+    return [s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")]
 
 
 def _most_promising(

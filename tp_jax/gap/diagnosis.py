@@ -15,6 +15,7 @@ from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
+from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_run, start_state
@@ -95,6 +96,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     horizon = baseline.problem.windows.horizon
     horizon = _common_horizon(setting, horizon)
     before = evaluate(setting, baseline.values, horizon)
+    least = floor(setting, baseline, before.fit)
     singles = {id: r for id, r in choice.rounds[0].refits.items()}
     held: dict[str, HeldOut] = {
         id: evaluate(setting, r.fit.values, horizon, [v.effect for v in r.variants])
@@ -105,13 +107,13 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         after = evaluate(setting, final.fit.values, horizon, [v.effect for v in final.variants])
         if len(final.ids) == 1:
             held[final.ids[0]] = after
-    total = shrink(setting, before, after, seed)
+    total = shrink(setting, before, after, seed, least)
     first = choice.rounds[0]
-    excess = _excess(baseline)
+    excess = _excess(baseline, least)
     word = verdict(first.structure.p, excess, len(final.ids), total)
     no_gap = word == "no_gap"
     probabilities = cause_probabilities(choice, baseline.dof)
-    shrinks = {id: shrink(setting, before, h, seed) for id, h in held.items()}
+    shrinks = {id: shrink(setting, before, h, seed, least) for id, h in held.items()}
     if no_gap:
         final = Refit(baseline, ())
     ids = final.ids
@@ -125,7 +127,8 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "campaign": setting.campaign.name,
         "model": setting.model,
         "verdict": word,
-        "noise_floor": dict(setting.noise),
+        "noise_floor": least.total,
+        "noise_floor_parts": {"noise": least.noise, "calibration": least.calibration},
         "gap": {
             "before": _gap(before, free_before),
             "after": _gap(after if ids else before, free_after),
@@ -140,7 +143,9 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
             "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
         },
         "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice)],
-        "causes": _causes(setting, choice, final, before, held, probabilities, horizon, seed),
+        "causes": _causes(
+            setting, choice, final, before, held, probabilities, horizon, seed, least
+        ),
         "candidates": _candidates(setting, choice, probabilities, shrinks),
         "confused_with": _tied(setting, choice, no_gap),
         "minimum_detectable": _detectable(choice),
@@ -153,8 +158,8 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "next_experiment": _next(setting, choice, no_gap),
         "recordings": recordings(setting, start_before, start_after, bool(ids)),
         "curves": curves(setting, free_before, free_after if ids else None),
-        "residuals": residuals(setting, before, after if ids else None),
-        "notes": _notes(setting, baseline, final, word),
+        "residuals": residuals(setting, before, after if ids else None, least),
+        "notes": _notes(setting, baseline, final, word, least),
     }
 
 
@@ -163,11 +168,12 @@ def _common_horizon(setting: Setting, horizon: float) -> float:
     return float(min(horizon, shortest))
 
 
-def _excess(baseline: Fit) -> float:
-    """Standard errors by which the misfit exceeds the noise, its own uncertainty included."""
+def _excess(baseline: Fit, least: Floor) -> float:
+    """Standard errors by which the misfit exceeds the floor, its own uncertainty included."""
     error = np.hypot(FLOOR_ERROR, np.sqrt(2.0 / max(baseline.dof, 1)))
+    error = np.hypot(error, np.sqrt(2.0 * np.sum(least.misfit**2)))
     # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
-    return float((baseline.chi2_dof - 1.0) / error)
+    return float((baseline.chi2_dof - 1.0 - least.misfit.sum()) / error)
 
 
 def _free(setting: Setting, fit: Fit, ids: tuple[str, ...], horizon: float):
@@ -191,19 +197,21 @@ def _gap(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, flo
     return {"windowed": float(np.sqrt(windowed.mean_square())), "free_run": value}
 
 
-def _causes(setting, choice, final, before, held, probabilities, horizon, seed) -> list[dict]:
+def _causes(
+    setting, choice, final, before, held, probabilities, horizon, seed, least
+) -> list[dict]:
     table = _amplitude_intervals(setting, final)
     out = []
     ids: list[str] = []
     for v in final.variants:
         ids.append(v.effect.id)
         if len(ids) == 1:
-            value = shrink(setting, before, held[ids[0]], seed).value
+            value = shrink(setting, before, held[ids[0]], seed, least).value
         else:
             r = next(r for r in choice.rounds if r.taken == ids[-1])
             fit = r.refits[ids[-1]]
             measured = evaluate(setting, fit.fit.values, horizon, [x.effect for x in fit.variants])
-            value = shrink(setting, before, measured, seed).value
+            value = shrink(setting, before, measured, seed, least).value
         out.append(
             {
                 "effect": v.effect.id,
@@ -344,7 +352,7 @@ def _by_recording(scored: Scored) -> bool:
     return any(u.recording is not None for u in scored.variant.unknowns)
 
 
-def _notes(setting: Setting, baseline: Fit, final: Refit, word: str) -> list[str]:
+def _notes(setting: Setting, baseline: Fit, final: Refit, word: str, least: Floor) -> list[str]:
     notes = []
     if setting.campaign.B1 is None:
         notes.append(
@@ -354,6 +362,12 @@ def _notes(setting: Setting, baseline: Fit, final: Refit, word: str) -> list[str
         notes.append(
             "Ts2 has no effect on any motion and is held at 0; T0 and Tst are nearly confounded "
             "with Ts1."
+        )
+    if least.known:
+        sizes = " and ".join(f"{1e3 * x:.2g} mrad in {n}" for n, x in least.calibration.items())
+        notes.append(
+            f"The noise floor includes {sizes} that the calibration's error is expected to leave; "
+            "an effect has to stand out from it."
         )
     notes.append(f"The friction's smoothing is eps = {setting.eps:g} s.")
     if not final.fit.converged or not baseline.converged:

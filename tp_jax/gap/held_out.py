@@ -10,6 +10,7 @@ import numpy as np
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit, fit
+from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances
 
 FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its estimator
@@ -85,18 +86,20 @@ class Shrink:
     significant: bool
 
 
-def floor_square(setting: Setting) -> float:
-    """Mean over channels of the noise variances [rad^2]."""
-    return float(np.mean([v**2 for v in setting.noise.values()]))
+def shrink(
+    setting: Setting, before: HeldOut, after: HeldOut, seed: int, least: Floor | None = None
+) -> Shrink:
+    """1 - max(after^2 - floor^2, 0) / (before^2 - floor^2), windows resampled for its interval.
 
-
-def shrink(setting: Setting, before: HeldOut, after: HeldOut, seed: int) -> Shrink:
-    """1 - max(after^2 - floor^2, 0) / (before^2 - floor^2), windows resampled for its interval."""
-    floor = floor_square(setting)
+    `least` is the floor; None: the noise alone.
+    """
+    least = least or noise_alone(setting)
+    noise = float(np.mean([v**2 for v in least.noise.values()]))
+    floor = float(np.mean([v**2 for v in least.total.values()]))
     rng = np.random.default_rng(seed)
     n = before.squares.shape[0]
     weights = rng.multinomial(n, np.full(n, 1.0 / n), size=DRAWS)
-    floors = floor * (1.0 + FLOOR_ERROR * rng.standard_normal(DRAWS))
+    floors = noise * (1.0 + FLOOR_ERROR * rng.standard_normal(DRAWS)) + least.draws(rng, DRAWS)
     gaps = np.array([before.mean_square(w) for w in weights]) - floors
     gap = before.mean_square() - floor
     significant = bool(np.quantile(gaps, 0.025) > 0.0)

@@ -3,7 +3,8 @@
 With the window states eliminated, the sum of squares is quadratic in the unknowns b of the fit
 and the amplitudes e of every effect at null. The efficient score of an effect, b re-optimised, is
 s = g_e - H_eb H_bb^-1 g_b with information V = H_ee - H_eb H_bb^-1 H_be; its predicted drop of the
-sum of squares is s' V^-1 s. Its covariance is taken from the scatter of the windows, in blocks of
+sum of squares is s' V^-1 s. What the calibration may have put the angles off belongs to b, with a
+prior (`calibration`). The score's covariance is taken from the scatter of the windows, in blocks of
 a second or more, since neighbouring windows are correlated by what the model lacks.
 """
 
@@ -17,6 +18,7 @@ from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import columns, spread
+from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.directions import Variant, layers, variants
 
@@ -93,10 +95,13 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
             at += len(v.unknowns)
     lin = fit.linearisation
     base_jac = spread(lin, base)
-    jac = np.concatenate([base_jac, *parts], axis=2)
+    shapes = calibration.columns(setting, fit)
+    jac = np.concatenate([base_jac, shapes, *parts], axis=2)
     elim = eliminate(lin.r, lin.states_jac, jac)
-    nb = len(base)
+    nb = len(base) + shapes.shape[2]
     H, g = elim.H.sum(axis=0), elim.g.sum(axis=0)
+    for i in range(len(base), nb):
+        H[i, i] += 1.0
     for a in fit.anchors:
         if a.unknown in base:
             i = base.index(a.unknown)
@@ -127,7 +132,7 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
         scored.append(
             Scored(
                 variant, float(s @ inverse @ s), estimate, Ve, by_block[:, rows],
-                -gain[:, rows] @ estimate, rows,
+                -gain[: len(base), rows] @ estimate, rows,
             )
         )  # fmt: skip
     return Screen(tuple(scored), V, missing)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.gap.calibration import Floor
 from tp_jax.gap.held_out import HeldOut
 
 THINNED = 600  # points of a curve in the result
@@ -52,9 +53,11 @@ def curves(setting: Setting, before: dict, after: dict | None) -> list[dict]:
     return out
 
 
-def residuals(setting: Setting, before: HeldOut, after: HeldOut | None) -> list[dict]:
-    """Windowed residuals of the held-out recordings in units of the noise."""
+def residuals(setting: Setting, before: HeldOut, after: HeldOut | None, least: Floor) -> list[dict]:
+    """Windowed residuals of the held-out recordings in units of the floor."""
     out = []
+    total = least.total.items()
+    unit = {n: s / x if x else 1.0 for s, (n, x) in zip(setting.sigma, total, strict=False)}
     windows = before.fit.problem.windows
     for i in setting.held_out:
         p = setting.prepared[i]
@@ -73,7 +76,8 @@ def residuals(setting: Setting, before: HeldOut, after: HeldOut | None) -> list[
             row[name] = None
             if p.channels[c]:
                 row[name] = {
-                    k: None if x is None else x[keep, c].tolist() for k, x in series.items()
+                    k: None if x is None else (x[keep, c] * unit[name]).tolist()
+                    for k, x in series.items()
                 }
         out.append(row)
     return out

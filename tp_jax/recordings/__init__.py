@@ -6,12 +6,14 @@
     campaign                    all of them together: `load_campaign`
     gaps                        where samples were lost
     noise, smooth, holdout      noise levels, starting states, what is never fitted
+    calibration_error           how far a calibration may have put the angles off
     writer                      CSV out
 
 Every fault of the user's files is a `CampaignError`, one sentence that names file, line and mend.
 NumPy and the standard library only: recording does not wait for JAX.
 """
 
+from tp_jax.recordings.calibration_error import CalibrationError as CalibrationError
 from tp_jax.recordings.campaign import Campaign as Campaign
 from tp_jax.recordings.campaign import load_campaign as load_campaign
 from tp_jax.recordings.checks import LEAST_SAMPLES as LEAST_SAMPLES

@@ -5,6 +5,7 @@ from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tp_jax.recordings.calibration_error import CalibrationError, read_calibration_error
 from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
 from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
 from tp_jax.recordings.faults import CampaignError
@@ -116,10 +117,13 @@ def _plan_of_one(file: Path, omega: float | None, decay: bool) -> Plan:
 def _load(toml: Path, plan: Plan) -> Campaign:
     files = _read_files(plan)
     model = _model(toml, plan, files)
+    # where the campaign maps columns of its own, the angles are not those that were calibrated
+    own = not plan.form.columns
+    errors = {file: read_calibration_error(file) if own else {} for file in files}
     appearances = Counter(entry.file for entry in plan.entries)
     recordings = []
     for entry in plan.entries:
-        recording = _recording(toml, entry, files[entry.file], model)
+        recording = _recording(toml, entry, files[entry.file], model, errors[entry.file])
         if appearances[entry.file] > 1 and entry.span is not None:
             recording = replace(recording, label=spanned(entry.name, entry.span))
         check_recording(recording, plan.sample_rate)
@@ -176,7 +180,13 @@ def _model(toml: Path, plan: Plan, files: dict[Path, Columns]) -> Model:
     return "double"
 
 
-def _recording(toml: Path, entry: Entry, columns: Columns, model: Model) -> Recording:
+def _recording(
+    toml: Path,
+    entry: Entry,
+    columns: Columns,
+    model: Model,
+    errors: dict[str, CalibrationError],
+) -> Recording:
     if entry.measured_drive and "drive" not in columns.values:
         raise CampaignError(
             entry.file,
@@ -189,6 +199,7 @@ def _recording(toml: Path, entry: Entry, columns: Columns, model: Model) -> Reco
     check_span(columns, entry, begin, end, toml)
     check_values(columns, begin, end)
     part = {name: values[begin:end] for name, values in columns.values.items()}
+    measured = ("phi1", "phi2") if model == "double" else ("phi1",)
     return Recording(
         name=entry.name,
         label=entry.name,
@@ -204,6 +215,7 @@ def _recording(toml: Path, entry: Entry, columns: Columns, model: Model) -> Reco
         repeat=entry.repeat,
         held_out=entry.held_out,
         sha256=columns.sha256,
+        calibration_error={name: errors[name] for name in measured if name in errors},
     )
 
 

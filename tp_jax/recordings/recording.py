@@ -1,9 +1,12 @@
 """One run of a rig: times, angles, and how it was driven."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+
+from tp_jax.recordings.calibration_error import CalibrationError
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,8 @@ class Recording:
         repeat: the group of recordings of the same setting that this one is of.
         held_out: never fitted, only predicted and scored.
         sha256: of the file's bytes.
+        calibration_error: channel -> how far its calibration may have put it off; channels of
+            which that is not known are absent.
     """
 
     name: str
@@ -46,6 +51,7 @@ class Recording:
     repeat: str | None
     held_out: bool
     sha256: str
+    calibration_error: Mapping[str, CalibrationError] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("t", "phi1", "phi2", "drive"):

@@ -2,14 +2,18 @@
 
     words, formatting      names in sentences, numbers as text
     reading -> verdict     a diagnosis that may lack anything -> three plain sentences
-    text                   the verdict for a terminal: `summary`
+    text -> terminal       the verdict as plain text, `summary`, and in colour, `show`
     style -> figures       one look for all figures
-    page -> html           everything together in one file: `write_report`
+    captions -> pictures   the figures of the page, and what they show in words
+    tables, run_tables     every table of the page
+    -> html                everything together in one file, `write_report`
+    figure_files           the figures beside it as PNG and SVG
     trajectory             the figure of `tp-jax simulate --plot`
 
 All start from the plain dictionary of diagnosis.json: a report can be made again without JAX.
 """
 
 from tp_jax.report.html import write_report as write_report
+from tp_jax.report.terminal import show as show
 from tp_jax.report.text import summary as summary
 from tp_jax.report.trajectory import plot_trajectory as plot_trajectory

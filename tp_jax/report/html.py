@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from tp_jax._version import __version__
-from tp_jax.report import pictures, reading, style, tables, verdict, words
+from tp_jax.report import pictures, reading, run_tables, style, tables, verdict, words
+from tp_jax.report.figure_files import FOLDER, write_figures
+from tp_jax.report.figures.curves import drawable
 
 TEMPLATE = "report.html.j2"
 
@@ -17,19 +19,23 @@ NO_FIGURES = (
 )
 
 
-def write_report(diagnosis: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
-    """Writes the report of a diagnosis as one HTML file.
+def write_report(
+    diagnosis: Mapping[str, Any], path: str | os.PathLike[str], *, figures: bool = True
+) -> None:
+    """Writes the report of a diagnosis as one HTML file, and its figures beside it.
 
     A file that is there is replaced at once and whole.
 
     Args:
         diagnosis: as in diagnosis.json; whatever is missing is left out.
         path: the file; its folder must exist.
+        figures: whether to write them to `figures/` in the same folder too, as PNG and SVG.
 
     Raises:
-        OSError: the file cannot be written.
+        OSError: a file cannot be written.
     """
-    text = render(diagnosis)
+    drawn = pictures.pictures(diagnosis)
+    text = _page(diagnosis, drawn)
     target = Path(os.path.realpath(path))  # through links: they are to keep pointing there
     if target.exists() and not target.is_file():
         target.write_text(text, encoding="utf-8")  # a folder says so itself, a device takes it
@@ -41,10 +47,16 @@ def write_report(diagnosis: Mapping[str, Any], path: str | os.PathLike[str]) -> 
         os.replace(part, target)
     finally:
         part.unlink(missing_ok=True)
+    if figures:
+        write_figures(drawn.every(), target.parent / FOLDER)
 
 
 def render(diagnosis: Mapping[str, Any]) -> str:
     """The report as text."""
+    return _page(diagnosis, pictures.pictures(diagnosis))
+
+
+def _page(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -58,31 +70,29 @@ def render(diagnosis: Mapping[str, Any]) -> str:
     environment.filters["initial"] = words.capital
     environment.filters["together"] = _together
     environment.filters["drawn"] = Markup  # the figures' own markup, whose texts are escaped
-    return environment.get_template(TEMPLATE).render(context(diagnosis))
+    return environment.get_template(TEMPLATE).render(context(diagnosis, drawn))
 
 
-def context(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
+def context(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> dict[str, Any]:
     """What the template shows: sentences, tables of text, figures."""
-    figures = style.available()
-    kind = reading.verdict(diagnosis)
+    provenance = reading.table(diagnosis, "provenance")
     return {
         "campaign": reading.text(diagnosis, "campaign") or "unnamed campaign",
         "model": reading.text(diagnosis, "model"),
-        "kind": kind,
+        "kind": reading.verdict(diagnosis),
         "verdict": verdict.sentences(diagnosis),
-        "version": reading.text(reading.table(diagnosis, "provenance"), "version") or __version__,
-        "first": pictures.first(diagnosis) if figures else None,
-        "no_figures": "" if figures else NO_FIGURES,
+        "version": reading.text(provenance, "version") or __version__,
+        "drawn_figures": drawn,
+        "no_figures": "" if style.available() else NO_FIGURES,
         "gap": tables.gap(diagnosis),
+        "floor": tables.floor_line(diagnosis),
+        "by_run": run_tables.runs(diagnosis),
         "shrink": tables.shrink_line(diagnosis) if reading.causes(diagnosis) else "",
-        "runs": pictures.runs(diagnosis) if figures else [],
-        "windows": pictures.windows(diagnosis) if figures else [],
         "not_drawn": _not_drawn(diagnosis),
+        "too_sparse": _too_sparse(diagnosis, drawn),
         "places": tables.places(diagnosis),
-        "places_picture": _second_where(diagnosis) if figures else None,
         "causes": tables.causes(diagnosis),
         "candidates": tables.candidates(diagnosis),
-        "bars": pictures.bars(diagnosis) if figures else None,
         "inapplicable": reading.inapplicable(diagnosis),
         "groups": _groups(diagnosis),
         "groups_known": isinstance(diagnosis.get("confused_with"), list | tuple),
@@ -91,15 +101,14 @@ def context(diagnosis: Mapping[str, Any]) -> dict[str, Any]:
         "moved": bool(reading.table(diagnosis, "absorbed")),
         "next": verdict.next_experiment(diagnosis),
         "notes": reading.texts(diagnosis, "notes"),
+        "data": run_tables.data(diagnosis),
         "provenance": tables.provenance(diagnosis),
     }
 
 
-def _second_where(diagnosis: Mapping[str, Any]) -> pictures.Picture | None:
-    """The places' figure, unless it stands beside the verdict or would be a single bar."""
-    if reading.verdict(diagnosis) == "unknown" or len(reading.rows(diagnosis, "where")) < 2:
-        return None
-    return pictures.places(diagnosis)
+def _too_sparse(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> bool:
+    """Whether there are residuals but no map of them over the motion."""
+    return bool(drawn.windows) and drawn.state_map is None and bool(drawable(diagnosis, "curves"))
 
 
 def _not_drawn(diagnosis: Mapping[str, Any]) -> str:

@@ -1,12 +1,11 @@
-"""The figures of the page, with what each of them shows in words."""
+"""The figures of the page: which there are, in two widths, with their captions."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from tp_jax.report import reading, style, words
-from tp_jax.report.figures import candidates, free_run, gap, residuals, where
+from tp_jax.report import captions, reading, style
+from tp_jax.report.figures import candidates, free_run, gap, moved, residuals, state_map, where
 from tp_jax.report.figures.curves import drawable
-from tp_jax.report.formatting import percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,12 +15,46 @@ MOST_RECORDINGS = 3
 
 
 class Picture(NamedTuple):
-    """A figure in two widths, as `<svg>` elements, and its caption."""
+    """A figure in two widths, as `<svg>` elements, its caption, and the wide one itself."""
 
     name: str
     wide: str
     narrow: str
     caption: str
+    figure: "Figure"
+
+
+class Pictures(NamedTuple):
+    """All figures of a page; what there is nothing to draw of is None or missing."""
+
+    first: Picture | None
+    runs: list[Picture]
+    windows: list[Picture]
+    state_map: Picture | None
+    places: Picture | None
+    bars: Picture | None
+    moved: Picture | None
+
+    def every(self) -> list[Picture]:
+        """One after the other, as in the page."""
+        found = (self.first, *self.runs, *self.windows, self.state_map, self.places, self.bars,
+                 self.moved)  # fmt: skip
+        return [one for one in found if one is not None]
+
+
+def pictures(diagnosis: Mapping[str, Any]) -> Pictures:
+    """Draws everything; nothing at all where there is no matplotlib."""
+    if not style.available():
+        return Pictures(None, [], [], None, None, None, None)
+    return Pictures(
+        first(diagnosis),
+        runs(diagnosis),
+        windows(diagnosis),
+        over_states(diagnosis),
+        places(diagnosis),
+        bars(diagnosis),
+        shifts(diagnosis),
+    )
 
 
 def picture(
@@ -31,7 +64,7 @@ def picture(
 
     Args:
         draw: makes the figure from its width in inches.
-        name: unique in the page.
+        name: unique in the page, and the name of its files.
         caption: also the figure's text for those who do not see it.
         width: in inches, on wide pages.
     """
@@ -43,17 +76,17 @@ def picture(
         style.svg(wide, f"{name}-w", caption),
         style.svg(narrow, f"{name}-n", caption),
         caption,
+        wide,
     )
 
 
 def first(diagnosis: Mapping[str, Any]) -> Picture | None:
     """The picture beside the verdict."""
-    choices = {"close_up": _close_up, "where": _where, "gap": _gap}
-    order = ["close_up", "gap", "where"]
+    order = [_close_up, _gap, _where]
     if reading.verdict(diagnosis) == "unknown":
-        order = ["where", "close_up", "gap"]
-    for name in order:
-        found = choices[name](diagnosis, style.BESIDE)
+        order = [_where, _close_up, _gap]
+    for draw in order:
+        found = draw(diagnosis, style.BESIDE, "first")
         if found is not None:
             return found
     return None
@@ -61,98 +94,66 @@ def first(diagnosis: Mapping[str, Any]) -> Picture | None:
 
 def runs(diagnosis: Mapping[str, Any]) -> list[Picture]:
     """Free runs over held-out recordings; the bare errors where there are no curves."""
-    entries = drawable(diagnosis, "curves")[:MOST_RECORDINGS]
-    found = []
-    for i, entry in enumerate(entries):
-        caption = (
-            f"Free run over {_recording(entry)}, from its first moments on: {_run_words(entry)} "
-            f"Below each angle, the model's error on a scale of its own; "
-            f"{free_run.described(diagnosis, i)}."
+    many = len(drawable(diagnosis, "curves")[:MOST_RECORDINGS])
+    found = [
+        picture(
+            lambda width, i=i: free_run.draw(diagnosis, i, width),
+            f"run-{i + 1}",
+            captions.run(diagnosis, i),
         )
-        found.append(picture(lambda w, i=i: free_run.draw(diagnosis, i, w), f"run{i}", caption))
-    if not entries:
-        found.append(_gap(diagnosis, style.WIDE))
+        for i in range(many)
+    ]
+    if not many:
+        found.append(_gap(diagnosis, style.WIDE, "gap"))
     return [drawn for drawn in found if drawn is not None]
 
 
 def windows(diagnosis: Mapping[str, Any]) -> list[Picture]:
     """Windowed residuals over time."""
-    entries = drawable(diagnosis, "residuals")[:MOST_RECORDINGS]
-    found = []
-    for i, entry in enumerate(entries):
-        caption = (
-            f"Residuals over {_recording(entry)}, each window started anew. A complete model "
-            f"leaves 95 % of them inside the grey band and no pattern; "
-            f"{residuals.described(diagnosis, i)}."
+    found = [
+        picture(
+            lambda width, i=i: residuals.draw(diagnosis, i, width),
+            f"residuals-{i + 1}",
+            captions.windows(diagnosis, i),
         )
-        found.append(
-            picture(lambda w, i=i: residuals.draw(diagnosis, i, w), f"residuals{i}", caption)
-        )
+        for i in range(len(drawable(diagnosis, "residuals")[:MOST_RECORDINGS]))
+    ]
     return [drawn for drawn in found if drawn is not None]
 
 
+def over_states(diagnosis: Mapping[str, Any]) -> Picture | None:
+    """Windowed residuals over angle and velocity."""
+    caption = captions.over_states(diagnosis)
+    return picture(lambda width: state_map.draw(diagnosis, width), "state-map", caption)
+
+
 def places(diagnosis: Mapping[str, Any]) -> Picture | None:
-    """Where the gap lies."""
-    return _where(diagnosis, style.WIDE)
+    """Where the gap lies, unless it stands beside the verdict or would be a single bar."""
+    if reading.verdict(diagnosis) == "unknown" or len(where.shown(diagnosis)) < 2:
+        return None
+    return _where(diagnosis, style.WIDE, "where")
 
 
 def bars(diagnosis: Mapping[str, Any]) -> Picture | None:
     """The candidates."""
-    rows = candidates.shown(diagnosis)
-    caption = (
-        f"The {len(rows)} most probable candidates, each added to the model alone. A long blue bar "
-        "is an effect that removes the gap on data it was not fitted on; where it is much shorter "
-        "than the grey one, the linear forecast was too hopeful. No blue bar: not refitted."
-    )
-    if reading.causes(diagnosis):
-        caption += " Bold: accepted."
-    return picture(lambda w: candidates.draw(diagnosis, w), "candidates", caption)
+    caption = captions.candidates(diagnosis)
+    return picture(lambda width: candidates.draw(diagnosis, width), "candidates", caption)
 
 
-def _close_up(diagnosis: Mapping[str, Any], width: float) -> Picture | None:
-    entries = drawable(diagnosis, "curves")
-    if not entries:
-        return None
-    caption = f"The part of {_recording(entries[0])} where the model misses most: "
-    caption += _run_words(entries[0])
-    return picture(lambda w: free_run.close_up(diagnosis, w), "closeup", caption, width)
+def shifts(diagnosis: Mapping[str, Any]) -> Picture | None:
+    """What moved when the causes were added."""
+    caption = captions.moved(diagnosis)
+    return picture(lambda width: moved.draw(diagnosis, width), "moved", caption)
 
 
-def _run_words(entry: Mapping[str, Any]) -> str:
-    after = any(reading.table(entry, channel).get("after") for channel in reading.CHANNELS)
-    if after:
-        return (
-            "the broad grey line is measured and was never fitted, the dashed line is the model "
-            "before, the blue one the model after. The better the model, the closer it stays to "
-            "the grey line."
-        )
-    return (
-        "the broad grey line is measured and was never fitted, the dashed line is the model. "
-        "The better the model, the closer it stays to the grey line."
-    )
+def _close_up(diagnosis: Mapping[str, Any], width: float, name: str) -> Picture | None:
+    caption = captions.close_up(diagnosis)
+    return picture(lambda w: free_run.close_up(diagnosis, w), name, caption, width)
 
 
-def _recording(entry: Mapping[str, Any]) -> str:
-    return reading.text(entry, "recording") or "a held-out recording"
+def _where(diagnosis: Mapping[str, Any], width: float, name: str) -> Picture | None:
+    return picture(lambda w: where.draw(diagnosis, w), name, captions.where(diagnosis), width)
 
 
-def _where(diagnosis: Mapping[str, Any], width: float) -> Picture | None:
-    shares = where.shown(diagnosis)
-    caption = ""
-    if shares:
-        name = words.location(reading.text(shares[0], "location"))
-        caption = (
-            f"Share of the gap by place in the rig. The longest bar says where to look first: "
-            f"{name}, with {percent(shares[0].get('share'))}."
-        )
-    name = "where" if width == style.WIDE else "where-first"
-    return picture(lambda w: where.draw(diagnosis, w), name, caption, width)
-
-
-def _gap(diagnosis: Mapping[str, Any], width: float) -> Picture | None:
-    caption = (
-        "Error of the model on held-out data. A complete model would reach down to the noise and "
-        "no further."
-    )
-    name = "gap" if width == style.WIDE else "gap-first"
-    return picture(lambda w: gap.draw(diagnosis, w), name, caption, width)
+def _gap(diagnosis: Mapping[str, Any], width: float, name: str) -> Picture | None:
+    return picture(lambda w: gap.draw(diagnosis, w), name, captions.GAP, width)

@@ -82,10 +82,10 @@ def inapplicable(diagnosis: Mapping[str, Any]) -> list[str]:
 
 
 def states(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
-    """before and after; before alone where no error after is known."""
+    """before and after; before alone where nothing was added, or no error after is known."""
     after = table(diagnosis, "gap", "after")
     known = any(finite(size) is not None for size in after.values())
-    return ("before", "after") if known else ("before",)
+    return ("before", "after") if known and causes(diagnosis) else ("before",)
 
 
 def floor(diagnosis: Mapping[str, Any]) -> float | None:

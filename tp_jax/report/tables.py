@@ -48,7 +48,7 @@ def gap(diagnosis: Mapping[str, Any]) -> Table | None:
         if any(size is not None for size in sizes):
             rows.append((name, *angles([*sizes, floor])))
     names = states if len(states) > 1 else ("error",)
-    return _table(("Error (rms) on held-out data", *names, "noise"), rows, 1, 2, 3)
+    return made(("Error (rms) on held-out data", *names, "noise"), rows, 1, 2, 3)
 
 
 def causes(diagnosis: Mapping[str, Any]) -> Table | None:
@@ -62,7 +62,7 @@ def causes(diagnosis: Mapping[str, Any]) -> Table | None:
         )
         for cause in reading.causes(diagnosis)
     ]
-    return _table(("Accepted cause", "probability", "shrink", "size"), rows, 1, 2)
+    return made(("Accepted cause", "probability", "shrink", "size"), rows, 1, 2)
 
 
 def candidates(diagnosis: Mapping[str, Any]) -> Table | None:
@@ -79,7 +79,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> Table | None:
     }
     said = {name: cells for name, cells in columns.items() if any(c != MISSING for c in cells)}
     right = [i for i, name in enumerate(said) if name not in ("Effect", "place", "note")]
-    return _table(tuple(said), list(zip(*said.values(), strict=True)), *right)
+    return made(tuple(said), list(zip(*said.values(), strict=True)), *right)
 
 
 def places(diagnosis: Mapping[str, Any]) -> Table | None:
@@ -89,12 +89,12 @@ def places(diagnosis: Mapping[str, Any]) -> Table | None:
             words.capital(words.location(reading.text(place, "location"))),
             reading.text(place, "channel") or MISSING,
             percent(place.get("share")),
-            reading.text(place, "when") or MISSING,
+            verdict.when(reading.text(place, "when")) or MISSING,
         )
         for place in reading.rows(diagnosis, "where")
         if reading.text(place, "location")
     ]
-    return _table(("Place", "channel", "share", "when"), rows, 2)
+    return made(("Place", "channel", "share", "when"), rows, 2)
 
 
 def detectable(diagnosis: Mapping[str, Any]) -> Table | None:
@@ -105,7 +105,7 @@ def detectable(diagnosis: Mapping[str, Any]) -> Table | None:
         size = reading.value(entry, "value")
         text = "beyond its range" if size is None else with_unit(size, entry.get("unit"))
         rows.append((_named(name), text))
-    return _table(("Effect", "minimum detectable size"), rows, 1)
+    return made(("Effect", "minimum detectable size"), rows, 1)
 
 
 def parameters(diagnosis: Mapping[str, Any]) -> Table | None:
@@ -122,8 +122,8 @@ def parameters(diagnosis: Mapping[str, Any]) -> Table | None:
         rows.append((*cells, unit(entry.get("unit")), *_moved(reading.table(absorbed, name))))
     head = ["Parameter", "value", "95 % interval", "unit", "moved by", "in standard errors"]
     if not any(cell not in ("", MISSING) for row in rows for cell in row[4:]):
-        return _table(tuple(head[:4]), [row[:4] for row in rows], 1)
-    return _table(tuple(head), rows, 1, 4, 5)
+        return made(tuple(head[:4]), [row[:4] for row in rows], 1)
+    return made(tuple(head), rows, 1, 4, 5)
 
 
 def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
@@ -141,7 +141,7 @@ def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
             rows.append((names.get(key, key.replace("_", " ")), text))
     for file, digest in reading.table(found, "data_sha256").items():
         rows.append((f"SHA-256 of {file}", str(digest)))
-    return _table(("What", "is"), [row for row in rows if row[1]])
+    return made(("What", "is"), [row for row in rows if row[1]])
 
 
 def shrink_line(diagnosis: Mapping[str, Any]) -> str:
@@ -154,6 +154,20 @@ def shrink_line(diagnosis: Mapping[str, Any]) -> str:
     if shrink < 0.0:
         return f"The gap grew by {percent(-shrink)} of what could be removed{interval}."
     return f"{percent(shrink)} of the removable gap is gone{interval}."
+
+
+def floor_line(diagnosis: Mapping[str, Any]) -> str:
+    """What the noise floor is made of, as a sentence; empty where it is noise alone."""
+    parts = reading.table(diagnosis, "noise_floor_parts")
+    said = []
+    for channel, name in reading.CHANNELS.items():
+        noise = reading.value(parts, "noise", channel)
+        calibration = reading.value(parts, "calibration", channel)
+        if noise is None or not calibration:
+            continue
+        first, second = angles([noise, calibration])
+        said.append(f"{name} {first} of noise and {second} that its calibration may be off")
+    return f"The floor is made of two parts: {'; '.join(said)}." if said else ""
 
 
 def _moved(entry: Mapping[str, Any]) -> tuple[str, str]:
@@ -172,5 +186,6 @@ def _named(name: str, said: str | None = None) -> Any:
     return Named(words.capital(said) or name, name if said else "")
 
 
-def _table(head: tuple[str, ...], rows: list[Any], *right: int) -> Table | None:
+def made(head: tuple[str, ...], rows: list[Any], *right: int) -> Table | None:
+    """A table with numbers in the columns listed; None without rows."""
     return Table(head, rows, frozenset(right)) if rows else None

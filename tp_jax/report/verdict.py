@@ -1,5 +1,6 @@
 """The verdict in three plain sentences: where the gap lies, what causes it, how far it shrinks."""
 
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -21,6 +22,13 @@ _HEADINGS = {
     "unknown": "There is a gap that is not explained",
 }
 
+_STARTS = (
+    "when", "where", "while", "at ", "in ", "above", "below", "around", "near", "after", "before",
+    "during", "throughout", "mainly", "mostly",
+)  # fmt: skip
+
+_LEVEL = 0.05  # of the test of structure
+
 
 class Verdict(NamedTuple):
     """What a reader takes away.
@@ -30,6 +38,7 @@ class Verdict(NamedTuple):
         where, what, how_far: one sentence each.
         tied: what the causes cannot be told from; empty where there is nothing.
         error: how close the model comes to held-out data; empty where it is not known.
+        left: whether what stays still has structure; empty where that is not known or not so.
     """
 
     heading: str
@@ -38,6 +47,7 @@ class Verdict(NamedTuple):
     how_far: str
     tied: str = ""
     error: str = ""
+    left: str = ""
 
 
 def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
@@ -64,6 +74,7 @@ def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
         _how_far(diagnosis),
         tied=" ".join(filter(None, (_tied(diagnosis, cause) for cause in causes))),
         error=_error(diagnosis),
+        left=_left(diagnosis) if causes else "",
     )
 
 
@@ -78,14 +89,16 @@ def _where(diagnosis: Mapping[str, Any]) -> str:
     said = f"The gap lies {mainly}in {words.location(reading.text(first, 'location'))}"
     if share is not None:
         said += f": {percent(share)} of it shows there"
-    when = reading.text(first, "when")
-    return f"{said}, {_when(when)}." if when else f"{said}."
+    part = when(reading.text(first, "when"))
+    return f"{said}, {part}." if part else f"{said}."
 
 
-def _when(text: str) -> str:
-    starts = ("when", "while", "at ", "in ", "above", "below", "around", "near", "after", "before",
-              "during", "throughout", "mainly", "mostly")  # fmt: skip
-    return text if text.startswith(starts) else f"when {text}"
+def when(text: str) -> str:
+    """The part of the motion in which a gap shows, so that it can follow "it shows there,"."""
+    said = re.sub(r"phi([12])", r"φ\1", text)
+    said = re.sub(r"^column (above|below)", r"when the column's speed is \1", said)
+    said = re.sub(r"^sliding (above|below)", r"when the rider slides \1", said)
+    return said if not said or said.startswith(_STARTS) else f"when {said}"
 
 
 def _what(diagnosis: Mapping[str, Any]) -> str:
@@ -97,17 +110,19 @@ def _what(diagnosis: Mapping[str, Any]) -> str:
             "No effect of the catalogue explains it well enough to be named; the cause may lie "
             "outside the catalogue."
         )
-    parts = [f"{words.effect(reading.text(cause, 'effect'))} ({_named(cause)})" for cause in causes]
+    parts = [_cause(cause) for cause in causes]
     if reading.verdict(diagnosis) != "explained":
         return f"Part of it comes from this: {'; '.join(parts)}."
     return f"The {'cause' if len(parts) == 1 else 'causes'}: {'; '.join(parts)}."
 
 
-def _named(cause: Mapping[str, Any]) -> str:
-    said = [reading.text(cause, "effect")]
+def _cause(cause: Mapping[str, Any]) -> str:
+    """What happens, with its id (unless that is all that is known of it) and probability."""
+    name = reading.text(cause, "effect")
+    more = [name] if name in words.EFFECTS else []
     if reading.value(cause, "probability") is not None:
-        said.append(f"probability {probability(cause['probability'])}")
-    return ", ".join(said)
+        more.append(f"probability {probability(cause['probability'])}")
+    return f"{words.effect(name)} ({', '.join(more)})" if more else words.effect(name)
 
 
 def _tied(diagnosis: Mapping[str, Any], cause: Mapping[str, Any]) -> str:
@@ -162,6 +177,14 @@ def _error(diagnosis: Mapping[str, Any]) -> str:
         end = "" if floor is None else f"; the noise is {noise}"
         return f"The error {kind} over data never fitted {size}{end}."
     return ""
+
+
+def _left(diagnosis: Mapping[str, Any]) -> str:
+    """That the model with its causes is not complete, where the test of structure says so."""
+    p = reading.value(diagnosis, "gap", "structure_p_after")
+    if p is None or p >= _LEVEL:
+        return ""
+    return f"What is left still has structure ({p_value(p)}): something small is missing yet."
 
 
 def sizes(cause: Mapping[str, Any]) -> list[str]:

@@ -192,6 +192,12 @@ class Emulator:
             self.terminal.unplug()
             self._queue.clear()
 
+    def _plugged_for_too_long(self) -> bool:
+        """Whether the time to be unplugged has come."""
+        if self._unplug is None or self.terminal.master is None:
+            return False
+        return self.firmware.sent / self.firmware.rate >= self._unplug[0]
+
     def _sample(self) -> None:
         """Takes the samples that are due."""
         firmware, now = self.firmware, self._now()
@@ -205,6 +211,8 @@ class Emulator:
             produced += firmware.sample()
             if len(produced) >= _AT_ONCE:
                 break  # so that a slow simulator still hears and sends
+            if self._plugged_for_too_long():
+                break  # a busy computer takes many samples at once, but none of them comes after
         self._put(bytes(produced))
 
     def _put(self, data: bytes) -> None:

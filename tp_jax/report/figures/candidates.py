@@ -42,8 +42,8 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
         ("predicted_shrink", "predicted", -0.19, style.BAND),
         ("realised_shrink", "realised after refitting", 0.19, style.AFTER),
     ):
-        found = [(y, reading.value(row, key)) for y, row in enumerate(rows)]
-        bars = [(y + offset, x) for y, x in found if x is not None]
+        found = [(y + offset * _both(row), reading.value(row, key)) for y, row in enumerate(rows)]
+        bars = [(y, x) for y, x in found if x is not None]
         if bars:
             places, sizes = zip(*bars, strict=True)
             drawn = [min(max(x, _LEAST), 1.0) for x in sizes]
@@ -64,8 +64,13 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     if lowest < 0.0:
         axes.axvline(0.0, color=style.INK, lw=0.8)
     axes.set_xlabel("removable gap that is gone")
-    style.legend(figure, axes, columns=2)
+    style.legend(figure, axes)
     return figure
+
+
+def _both(row: Mapping[str, Any]) -> bool:
+    """Whether a candidate has two bars; one alone stands in the middle."""
+    return all(reading.value(row, key) is not None for key in _KEYS)
 
 
 def _short(name: str) -> str:

@@ -9,6 +9,10 @@ from tp_jax.report import reading
 
 MOST_POINTS = 600
 
+#: Mean square of the second difference over that of the swing, (2π/n)⁴ for n points a period: up
+#: to this, a line through the points is the motion (some nine points a period).
+_DENSE = 0.25
+
 
 class Curve(NamedTuple):
     """One channel of one recording over time; what is not known is None."""
@@ -18,6 +22,13 @@ class Curve(NamedTuple):
     measured: np.ndarray | None
     before: np.ndarray | None
     after: np.ndarray | None
+
+    def part(self, which: slice) -> "Curve":
+        """Some of its points."""
+        columns = (self.measured, self.before, self.after)
+        return Curve(
+            self.channel, self.t[which], *(None if y is None else y[which] for y in columns)
+        )
 
 
 def curves_of(entry: Mapping[str, Any]) -> list[Curve]:
@@ -59,6 +70,22 @@ def error(curve: Curve, of: str) -> np.ndarray | None:
     """Model, `before` or `after`, minus measured."""
     y = getattr(curve, of)
     return None if y is None or curve.measured is None else y - curve.measured
+
+
+def dense(curve: Curve) -> bool:
+    """Whether the points lie close enough to be joined by a line.
+
+    The curves of a long recording are thinned, down to a few points a period: a line through them
+    would be a motion that never was.
+    """
+    y = next((y for y in (curve.measured, curve.after, curve.before) if y is not None), None)
+    if y is None:
+        return False
+    y = y[np.isfinite(y)]
+    if y.size < 3:
+        return False
+    swing = np.square(y - y.mean()).mean()
+    return bool(np.square(np.diff(y, 2)).mean() <= _DENSE * swing)
 
 
 def _array(given: Any) -> np.ndarray | None:

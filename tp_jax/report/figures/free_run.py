@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tp_jax.report import reading, style
-from tp_jax.report.figures.curves import Curve, curves_of, drawable, error, largest, rms
+from tp_jax.report.figures.curves import Curve, curves_of, dense, drawable, error, largest, rms
 from tp_jax.report.formatting import angle, angle_unit
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _CLOSE_POINTS = 90
+_BAND = 1.96  # standard deviations that hold 95 % of normal noise
 
 
 def draw(
@@ -39,16 +40,33 @@ def draw(
     )[:, 0]  # fmt: skip
     for curve, above, below in zip(channels, rows[::2], rows[1::2], strict=True):
         _angles(above, curve)
-        _errors(below, curve)
-        above.set_ylabel(f"{reading.CHANNELS[curve.channel]} [rad]")
+        _errors(below, curve, reading.value(diagnosis, "noise_floor", curve.channel))
     rows[-1].set_xlabel("time [s]")
     figure.align_ylabels(rows)
-    style.legend(figure, rows[0])
+    style.legend(figure, rows[0], rows[1])
     return figure
 
 
 def close_up(diagnosis: Mapping[str, Any], width: float = style.BESIDE) -> "Figure | None":
     """The stretch of a free run in which the model before misses most, in one channel."""
+    curve = worst(diagnosis)
+    if curve is None:
+        return None
+    figure = style.new_figure(width, 3.5 if width >= style.BESIDE else 2.65)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, 1.25])
+    _angles(above, curve)
+    _errors(below, curve, reading.value(diagnosis, "noise_floor", curve.channel))
+    below.set_xlabel("time [s]")
+    figure.align_ylabels([above, below])
+    style.legend(figure, above, below)
+    return figure
+
+
+def worst(diagnosis: Mapping[str, Any]) -> Curve | None:
+    """What `close_up` shows: of the first recording, the channel and the stretch missed most.
+
+    A curve of too few points is shown whole: no stretch of it says more than the rest.
+    """
     found = [
         curve
         for entry in drawable(diagnosis, "curves")[:1]
@@ -58,62 +76,57 @@ def close_up(diagnosis: Mapping[str, Any], width: float = style.BESIDE) -> "Figu
     if not found:
         return None
     curve = max(found, key=lambda curve: rms(error(curve, "before")) or 0.0)
-    figure = style.new_figure(width, 3.5 if width >= style.BESIDE else 2.8)
-    axes = figure.subplots()
-    _angles(axes, _stretch(curve))
-    axes.set_ylabel(f"{reading.CHANNELS[curve.channel]} [rad]")
-    axes.set_xlabel("time [s]")
-    style.legend(figure, axes)
-    return figure
-
-
-def _stretch(curve: Curve) -> Curve:
-    """The points around the largest error of the model before."""
     miss = error(curve, "before")
-    n = curve.t.size
-    if miss is None or n <= _CLOSE_POINTS:
+    if miss is None or curve.t.size <= _CLOSE_POINTS or not dense(curve):
         return curve
-    square = np.nan_to_num(miss) ** 2
-    total = np.concatenate([[0.0], np.cumsum(square)])
+    total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(miss) ** 2)])
     begin = int(np.argmax(total[_CLOSE_POINTS:] - total[:-_CLOSE_POINTS]))
-    part = slice(begin, begin + _CLOSE_POINTS)
-    return Curve(
-        curve.channel,
-        curve.t[part],
-        *(None if y is None else y[part] for y in (curve.measured, curve.before, curve.after)),
-    )
+    return curve.part(slice(begin, begin + _CLOSE_POINTS))
 
 
 def _angles(axes: "Axes", curve: Curve) -> None:
     style.dress(axes)
-    if curve.measured is not None:
-        axes.plot(curve.t, curve.measured, color=style.BAND, lw=3.6, alpha=0.6, label="measured",
-                  solid_capstyle="round")  # fmt: skip
-    if curve.before is not None:
-        axes.plot(curve.t, curve.before, color=style.BEFORE, lw=1.2, ls=(0, (5, 1.6)),
-                  label="model" if curve.after is None else "before")  # fmt: skip
-    if curve.after is not None:
-        axes.plot(curve.t, curve.after, color=style.AFTER, lw=1.2, label="after")
+    axes.set_ylabel(f"{reading.CHANNELS[curve.channel]} [rad]")
     axes.margins(x=0.0)
+    joined = dense(curve)
+    looks: dict[str, dict[str, Any]] = {
+        "measured": dict(color=style.BAND, lw=3.6, alpha=0.6, solid_capstyle="round"),
+        "before": dict(color=style.BEFORE, lw=1.2, ls=(0, (5, 1.6))),
+        "after": dict(color=style.AFTER, lw=1.2),
+    }
+    for name, look in looks.items():
+        y = getattr(curve, name)
+        if y is None:
+            continue
+        label = "model" if name == "before" and curve.after is None else name
+        if joined:
+            axes.plot(curve.t, y, label=label, **look)
+        else:
+            size = 3.0 if name == "measured" else 1.4
+            style.dots(axes, curve.t, y, color=look["color"], size=size, label=label)
 
 
-def _errors(axes: "Axes", curve: Curve) -> None:
+def _errors(axes: "Axes", curve: Curve, floor: float | None) -> None:
     style.dress(axes)
     before, after = error(curve, "before"), error(curve, "after")
     unit, factor = angle_unit([largest(before, after)])
-    if before is not None:
-        axes.plot(curve.t, before * factor, color=style.BEFORE, lw=1.0)
-    if after is not None:
-        axes.plot(curve.t, after * factor, color=style.AFTER, lw=1.0)
+    if floor is not None:
+        end = _BAND * floor * factor
+        axes.axhspan(-end, end, color=style.BAND, alpha=0.25, lw=0.0, label="noise (95 %)")
+    for y, colour in ((before, style.BEFORE), (after, style.AFTER)):
+        if y is not None and dense(curve):
+            axes.plot(curve.t, y * factor, color=colour, lw=1.0)
+        elif y is not None:
+            style.dots(axes, curve.t, y * factor, color=colour, size=1.4)
     axes.set_ylabel(f"error [{unit}]")
     axes.margins(x=0.0)
 
 
 def described(diagnosis: Mapping[str, Any], index: int = 0) -> str:
     """The size of each error."""
-    entry = drawable(diagnosis, "curves")[index]
+    curves = curves_of(drawable(diagnosis, "curves")[index])
     said = []
-    for curve in curves_of(entry):
+    for curve in curves:
         name = reading.CHANNELS[curve.channel]
         before, after = rms(error(curve, "before")), rms(error(curve, "after"))
         if before is not None and after is not None:

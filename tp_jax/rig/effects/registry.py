@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType, ModuleType
 
 from tp_jax.errors import InputError
+from tp_jax.recordings.faults import nearest
 from tp_jax.rig.effects import (
     bearing,
     clock,
@@ -50,7 +51,9 @@ def hide(
     known = catalogue()
     for id in effects:
         if id not in known:
-            raise InputError(f"There is no effect {id!r} to hide, choose from: {', '.join(known)}.")
+            near = nearest(id, known)
+            mend = f"; did you mean {near}?" if near else f", choose from: {', '.join(known)}."
+            raise InputError(f"There is no effect {id!r} to hide{mend}")
     constants = _constants(effects, shapes)
     hidden = [
         Hidden(known[id], _sizes(known[id], size), constants[id]) for id, size in effects.items()

@@ -1,0 +1,114 @@
+"""How far the calibration may have put the angles of a recording off.
+
+An angle read with a calibration that is wrong is wrong in the same way at every sample of that
+angle. That is no noise: it does not average out, and it can look like an effect. It is known as a
+few smooth shapes over the angle, each of which applies with a number that nobody knows, normal
+with standard deviation 1. `tp-jax record` writes them beside a recording, in FILE.csv.meta.json.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tp_jax.recordings.faults import CampaignError, reason
+
+SCHEMA = "tp-jax/recording/1"
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationError:
+    """The error that a calibration leaves in the angles of one sensor.
+
+    The angle read is off by sum_j c_j modes[j](angle), with c_j independent, of mean 0 and
+    standard deviation 1, and the same in all recordings made with this calibration.
+
+    Attributes:
+        key: names the calibration; recordings with the same one share the numbers c_j.
+        angle: (m,) rising angles [rad].
+        modes: (q, m) shapes at those angles [rad].
+    """
+
+    key: str
+    angle: np.ndarray
+    modes: np.ndarray
+
+    def at(self, angle: np.ndarray) -> np.ndarray:
+        """(q, n) shapes [rad] at (n,) angles [rad]."""
+        return self._interpolated(self.modes, angle)
+
+    def slope(self, angle: np.ndarray) -> np.ndarray:
+        """(q, n) slopes of the shapes [rad/rad] at (n,) angles [rad]."""
+        return self._interpolated(np.gradient(self.modes, self.angle, axis=1), angle)
+
+    def standard_error(self, angle: np.ndarray) -> np.ndarray:
+        """(n,) standard errors [rad] of the angle read, at (n,) angles [rad]."""
+        return np.sqrt((self.at(angle) ** 2).sum(axis=0))
+
+    def _interpolated(self, values: np.ndarray, angle: np.ndarray) -> np.ndarray:
+        low, high = self.angle[0], self.angle[-1]
+        x = np.asarray(angle, dtype=float)
+        if math.isclose(high - low, math.pi):  # such sensors repeat themselves after half a turn
+            x = np.where((x < low) | (x > high), low + np.mod(x - low, math.pi), x)
+        return np.array([np.interp(x, self.angle, row) for row in values])
+
+
+def read_calibration_error(recording: Path) -> dict[str, CalibrationError]:
+    """What FILE.csv.meta.json says of the calibration: channel -> its error.
+
+    Empty where there is no such file, where it is not that of a recording, or where it names no
+    error.
+
+    Raises:
+        CampaignError: the file is there and cannot be read.
+    """
+    file = Path(f"{recording}.meta.json")
+    if not file.is_file():
+        return {}
+    try:
+        content = json.loads(file.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise CampaignError(
+            file, f"the file cannot be read ({reason(error)})", "make it readable or move it away"
+        ) from error
+    except ValueError as error:
+        raise CampaignError(
+            file, "this is no JSON", "restore what was recorded, or move the file away"
+        ) from error
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        return {}
+    calibration = content.get("calibration")
+    found = {}
+    for name, sensor in calibration.items() if isinstance(calibration, dict) else ():
+        error = _sensor(file, name, sensor) if isinstance(sensor, dict) else None
+        if error is not None:
+            found[name] = error
+    return found
+
+
+def _sensor(file: Path, name: str, sensor: Mapping[str, Any]) -> CalibrationError | None:
+    told = sensor.get("standard_error")
+    if not isinstance(told, dict) or not told.get("modes"):
+        return None
+    try:
+        # null: where a reading says nothing of the angle; the nearest that does stands for it
+        angle = np.array(told["angle"], dtype=float)
+        modes = np.array(told["modes"], dtype=float)
+        fits = angle.ndim == 1 and modes.ndim == 2 and modes.shape[1] == angle.size
+    except (KeyError, TypeError, ValueError):
+        fits = False
+    if not fits or not np.isfinite(angle).all() or (np.diff(angle) <= 0.0).any():
+        raise CampaignError(
+            file,
+            f"the standard_error of {name} is no list of rising angles with modes of that length",
+            "restore what was recorded, or move the file away",
+        )
+    known = np.isfinite(modes).all(axis=0)
+    if known.sum() < 2 or not modes[:, known].any():
+        return None
+    key = {key: value for key, value in sensor.items() if key != "standard_error"}
+    return CalibrationError(json.dumps(key, sort_keys=True), angle[known], modes[:, known])

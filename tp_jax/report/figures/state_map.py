@@ -1,0 +1,144 @@
+"""The gap over angle and velocity: in which part of its motion each body leaves the model."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from tp_jax.report import reading, style
+from tp_jax.report.figures.curves import curves_of, dense, drawable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CELLS = 14  # along each axis
+_LEAST_SCALE = 3.0  # standard deviations of the noise; a model that is complete stays dark
+
+
+class Points(NamedTuple):
+    """Where one channel was, (n,) each, and how far the model missed it in units of the noise."""
+
+    channel: str
+    angle: np.ndarray
+    velocity: np.ndarray
+    before: np.ndarray | None
+    after: np.ndarray | None
+
+
+def points(diagnosis: Mapping[str, Any]) -> list[Points]:
+    """The channels that can be mapped, over all held-out recordings.
+
+    Angle and velocity are those measured, from `curves`, whose points are those of `residuals`. A
+    channel is left out where they lie too far apart for a velocity.
+    """
+    motions = {}
+    for entry in drawable(diagnosis, "curves"):
+        for curve in curves_of(entry):
+            if curve.measured is not None and dense(curve):
+                motions[reading.text(entry, "recording"), curve.channel] = curve
+    found: dict[str, list[Points]] = {}
+    for entry in drawable(diagnosis, "residuals"):
+        for missed in curves_of(entry):
+            motion = motions.get((reading.text(entry, "recording"), missed.channel))
+            if motion is None or not np.array_equal(motion.t, missed.t):
+                continue
+            velocity = np.gradient(motion.measured, motion.t)
+            one = Points(missed.channel, motion.measured, velocity, missed.before, missed.after)
+            found.setdefault(missed.channel, []).append(one)
+    return [_joined(parts) for parts in found.values()]
+
+
+def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+    """A row for each channel; before and after side by side, on one scale.
+
+    Returns:
+        None if no channel can be mapped.
+    """
+    rows = points(diagnosis)
+    states = [s for s in ("before", "after") if any(getattr(row, s) is not None for row in rows)]
+    if not rows or not states:
+        return None
+    figure = style.new_figure(width, 0.5 + (3.0 if width >= style.WIDE else 2.1) * len(rows))
+    grid = figure.subplots(len(rows), len(states), sharey="row", squeeze=False)
+    for row, line in zip(rows, grid, strict=True):
+        edges = _edges(row.angle), _edges(row.velocity)
+        maps = {s: _binned(row, s, edges) for s in states}
+        sizes = [np.nanmax(m) for m in maps.values() if m is not None and np.isfinite(m).any()]
+        top = max([_LEAST_SCALE, *sizes])
+        image = None
+        for state, axes in zip(states, line, strict=True):
+            style.dress(axes, grid=None)
+            cells = maps[state]
+            if cells is None:
+                continue
+            image = axes.imshow(
+                np.ma.masked_invalid(cells.T), origin="lower", aspect="auto",
+                interpolation="none", cmap=style.SCALE, vmin=0.0, vmax=top,
+                extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]),
+            )  # fmt: skip
+            axes.locator_params(nbins=4 if width < style.WIDE else 6)
+            axes.set_xlabel(f"{reading.CHANNELS[row.channel]} [rad]")
+            if len(states) > 1:
+                style.title(axes, state)
+        line[0].set_ylabel(f"velocity of {reading.CHANNELS[row.channel]} [rad/s]")
+        if image is not None:
+            _bar(figure, image, line)
+    return figure
+
+
+def described(diagnosis: Mapping[str, Any]) -> str:
+    """Where the largest miss of the model before lies."""
+    said = []
+    for row in points(diagnosis):
+        edges = _edges(row.angle), _edges(row.velocity)
+        cells = _binned(row, "before", edges)
+        if cells is None or not np.isfinite(cells).any():
+            continue
+        i, j = np.unravel_index(np.nanargmax(cells), cells.shape)
+        angle, velocity = (0.5 * (e[n] + e[n + 1]) for e, n in zip(edges, (i, j), strict=True))
+        said.append(
+            f"{reading.CHANNELS[row.channel]} near {_signed(angle)} rad and "
+            f"{_signed(velocity)} rad/s ({np.nanmax(cells):.2g} times the noise)"
+        )
+    return "; ".join(said)
+
+
+def _signed(value: float) -> str:
+    return f"{value:.2g}".replace("-", "−")
+
+
+def _joined(parts: list[Points]) -> Points:
+    """One channel over all its recordings."""
+    columns = []
+    for name in ("angle", "velocity", "before", "after"):
+        given = [getattr(p, name) for p in parts]
+        columns.append(None if any(y is None for y in given) else np.concatenate(given))
+    angle = columns[0]
+    if np.ptp(angle) > 2.0 * np.pi:  # it winds on: what counts is the angle within a turn
+        columns[0] = np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
+    return Points(parts[0].channel, *columns)
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    inside = values[np.isfinite(values)]
+    low, high = float(inside.min()), float(inside.max())
+    return np.linspace(low, high if high > low else low + 1.0, CELLS + 1)
+
+
+def _binned(row: Points, state: str, edges: tuple[np.ndarray, np.ndarray]) -> np.ndarray | None:
+    """(CELLS, CELLS) rms of the residuals in each cell; NaN where the motion never was."""
+    missed = getattr(row, state)
+    if missed is None:
+        return None
+    whole = np.isfinite(row.angle) & np.isfinite(row.velocity) & np.isfinite(missed)
+    place = row.angle[whole], row.velocity[whole]
+    count = np.histogram2d(*place, bins=edges)[0]
+    total = np.histogram2d(*place, bins=edges, weights=missed[whole] ** 2)[0]
+    return np.sqrt(np.where(count > 0, total / np.maximum(count, 1), np.nan))
+
+
+def _bar(figure: "Figure", image: Any, line: Any) -> None:
+    bar = figure.colorbar(image, ax=list(line), pad=0.02, fraction=0.05)
+    bar.outline.set_visible(False)
+    bar.ax.tick_params(labelsize=style.FONT_SIZE, labelcolor=style.INK, length=0.0)
+    bar.set_label("residual [noise]", size=style.FONT_SIZE, color=style.INK)
