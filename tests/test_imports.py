@@ -22,11 +22,27 @@ ALLOWED: dict[str, set[str]] = {
     "recordings": set(),
     "acquisition": {"recordings"},
     "estimation": {"model", "effects", "simulation", "recordings"},
-    "sensitivity": {"model", "effects", "simulation", "recordings", "estimation"},
-    "gap": {"model", "effects", "simulation", "recordings", "estimation", "sensitivity"},
+    "identifiability": {"model", "effects", "simulation", "recordings", "estimation"},
+    "sensitivity_analysis": {
+        "model",
+        "effects",
+        "simulation",
+        "recordings",
+        "estimation",
+        "identifiability",
+    },
+    "validation": {
+        "model",
+        "effects",
+        "simulation",
+        "recordings",
+        "estimation",
+        "identifiability",
+    },
+    "gap": {"model", "effects", "simulation", "recordings", "estimation", "identifiability"},
     # its simulator is to be independent of the model it puts to the test
     "rig": {"recordings", "acquisition"},
-    "report": {"model", "effects", "simulation", "recordings", "estimation", "sensitivity", "gap"},
+    "report": {"model", "effects", "simulation", "recordings", "estimation", "gap"},
     "blind": {"effects", "recordings", "estimation", "gap", "rig"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}

@@ -1,0 +1,74 @@
+"""What a multi-start search has done so far, in a file that it can go on from."""
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tp_jax.errors import InputError
+
+SCHEMA = "tp-jax/starts/1"
+
+
+class Checkpoint:
+    """Results of starts by name, kept in a file that is replaced as a whole.
+
+    The file belongs to one set of data and settings (`key`): a search with others must not go on
+    from it.
+    """
+
+    def __init__(self, path: Path, key: Mapping[str, Any]):
+        self.path = Path(path)
+        self.key = json.loads(json.dumps(key))
+        self.done: dict[str, Any] = {}
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the key."""
+        return hashlib.sha256(json.dumps(self.key, sort_keys=True).encode()).hexdigest()
+
+    def resume(self) -> int:
+        """Reads what is there; how many results that is.
+
+        Raises:
+            InputError: the file is missing, cannot be read, or is of other data or settings.
+        """
+        try:
+            stored = json.loads(self.path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise InputError(
+                f"There is nothing to resume at {self.path}; start without --resume."
+            ) from None
+        except (OSError, ValueError) as fault:
+            raise InputError(
+                f"Cannot resume from {self.path}, which cannot be read ({fault}); start without "
+                "--resume."
+            ) from fault
+        if not isinstance(stored, dict) or stored.get("schema") != SCHEMA:
+            raise InputError(f"Cannot resume from {self.path}, which holds no starts; remove it.")
+        if stored.get("sha256") != self.digest:
+            other = stored.get("key", {})
+            changed = [n for n in sorted({*self.key, *other}) if self.key.get(n) != other.get(n)]
+            raise InputError(
+                f"Cannot resume from {self.path}, which is of another search (it differs in "
+                f"{', '.join(changed) or 'its contents'}); start without --resume, or with the "
+                "same data and settings."
+            )
+        self.done = stored["done"]
+        return len(self.done)
+
+    def put(self, results: Mapping[str, Any]) -> None:
+        """Adds results and writes the file: what was there stays until the new one is whole."""
+        self.done.update(results)
+        text = json.dumps(
+            {"schema": SCHEMA, "sha256": self.digest, "key": self.key, "done": self.done}
+        )
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        part = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        try:
+            part.write_text(text, encoding="utf-8")
+            os.replace(part, self.path)
+        finally:
+            part.unlink(missing_ok=True)

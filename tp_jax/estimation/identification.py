@@ -1,0 +1,151 @@
+"""What `identify` found, as plain numbers and in words."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.multistart import Trial
+from tp_jax.model.parameters import BASE
+
+SHOWN = ("value", "unit", "ci95", "identifiable")
+
+
+@dataclasses.dataclass(frozen=True)
+class Identification:
+    """What `identify` found; `to_dict` is the result as plain numbers.
+
+    result: see there. fit: the best, at the longest horizon. trials: all starts, in order.
+    """
+
+    result: dict[str, Any]
+    fit: Fit
+    trials: tuple[Trial, ...] = ()
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Value of each parameter by name [SI units]."""
+        return {n: p["value"] for n, p in self.result["parameters"].items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema tp-jax/identify/1."""
+        return self.result
+
+    def summary(self) -> str:
+        """A table for a terminal."""
+        r = self.result
+        lines = [
+            f"{r['campaign']}: {r['model']} model, {r['method']}, chi2/dof {r['chi2_dof']:.4g}"
+        ]
+        lines.append(f"{'':8}{'value':>12}  {'95 % interval':<26} unit")
+        for name, p in r["parameters"].items():
+            low, high = p["ci95"] or (None, None)
+            if p["ci95"] is None:
+                span = "fixed"
+            else:
+                span = "at its bound" if high is None else f"{low:.4g} to {high:.4g}"
+            mark = "" if p["identifiable"] else "  not identifiable"
+            lines.append(f"{name:8}{p['value']:12.5g}  {span:<26} {p['unit']}{mark}")
+        lines.append(told(r["success"], r["starts"]))
+        lines += [f"Warning: {w['text']}" for w in r["warnings"]]
+        return "\n".join(lines)
+
+
+def told(success: dict[str, Any], starts: Sequence[dict[str, Any]]) -> str:
+    """How many starts succeeded, and at what cost."""
+    reached, of = success["reached"], success["of"]
+    if of == 1:
+        return f"One start, {starts[0]['evaluations']} passes over the data."
+    low, high = success["ci95"]
+    text = f"{reached} of {of} starts reached the best"
+    text += f" (95 %: {100 * low:.0f} to {100 * high:.0f} %)"
+    cost = success["expected_evaluations"]
+    if cost is not None:
+        text += f"; {cost:.0f} passes over the data are expected until one does"
+    failed = sum(s["objective"] is None for s in starts)
+    if failed:
+        text += f"; {failed} could not be integrated"
+    return text + "."
+
+
+def parameter_table(fit: Fit, setting: Setting) -> dict[str, dict]:
+    """Every parameter: value, unit, ci95, whether the data identify it."""
+    found = intervals(fit, setting)
+    out = {}
+    for p in BASE:
+        if p.name in found:
+            out[p.name] = {k: found[p.name][k] for k in SHOWN}
+        elif p.name in setting.fixed:
+            out[p.name] = _held(setting.fixed[p.name], p.unit)
+        elif p.name == "Ts2" and setting.rider:
+            out["Ts2"] = {**_held(0.0, p.unit), "identifiable": False}
+    return out | {n: {k: e[k] for k in SHOWN} for n, e in found.items() if n not in out}
+
+
+def _held(value: float, unit: str) -> dict[str, Any]:
+    return {"value": value, "unit": unit, "ci95": None, "identifiable": True}
+
+
+def warnings(fit: Fit, setting: Setting) -> list[dict]:
+    """What a user must know before using the numbers."""
+    found = []
+    torques = [p.name for p in BASE if p.per_inertia]
+    if setting.campaign.B1 is None and "B1" not in setting.fixed:
+        found.append(_free_scale(torques, "B1 is not given, so that B1 = 1 was taken"))
+    elif setting.campaign.B1 is None or setting.model == "paper":
+        text = f"the scale rests on B1 = {setting.fixed['B1']:g} kg m^2 alone"
+        found.append(_free_scale(torques, text))
+    if setting.rider:
+        text = (
+            "Ts2 acts only where the rider's velocity is exactly zero, so that it has no effect "
+            "on any motion; it is held at 0."
+        )
+        found.append(_warning("unidentifiable", ["Ts2"], text))
+    base = {p.name for p in BASE}
+    loose = [n for n, e in intervals(fit, setting).items() if not e["identifiable"] and n in base]
+    if loose:
+        text = f"These recordings do not tell {', '.join(loose)}."
+        found.append(_warning("unidentifiable", loose, text))
+    bound = [u.name for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if b]
+    if bound:
+        found.append(_warning("at_bound", bound, f"At a bound: {', '.join(bound)}."))
+    if fit.chi2_dof > 1.2:
+        text = (
+            f"The misfit is {fit.chi2_dof:.3g} times the noise: the model lacks something; run "
+            "`tp-jax diagnose`."
+        )
+        found.append(_warning("misfit", [], text))
+    if not fit.converged:
+        found.append(_warning("not_converged", [], fit.message))
+    return found
+
+
+def start_warnings(trials: Sequence[Trial], reached: Sequence[bool]) -> list[dict]:
+    """What the starts say about the answer."""
+    failed = [t for t in trials if not np.isfinite(t.end.cost)]
+    found = []
+    if failed:
+        text = f"{len(failed)} of {len(trials)} starts came to nothing: {failed[0].end.message}"
+        found.append(_warning("failed_starts", [], text))
+    if len(trials) >= 4 and sum(reached) == 1:
+        text = (
+            f"Only one of {len(trials)} starts ended in the best optimum: there may be a better "
+            "one; try more starts."
+        )
+        found.append(_warning("best_found_once", [], text))
+    return found
+
+
+def _warning(code: str, parameters: list[str], text: str) -> dict:
+    return {"code": code, "parameters": parameters, "text": text}
+
+
+def _free_scale(torques: list[str], reason: str) -> dict:
+    text = (
+        f"No torque is measured and {reason}: {', '.join(torques)} are known only relative to B1."
+    )
+    return _warning("free_scale", torques, text)

@@ -1,0 +1,171 @@
+"""Least squares with the windows' states projected out: what `identify` fits by.
+
+The sum of squares, minimised over the windows' states, is a function of the unknowns alone; its
+Gauss-Newton matrix is what elimination leaves. A step of the unknowns takes the states along as
+their linearisation says, and those it did not take to their minimum are put right one by one
+(`window_states`). So a step is judged by the unknowns, and the last ones converge quadratically.
+
+Source: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10:413; Kaufman (1975), BIT 15:49.
+"""
+
+import logging
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from tp_jax.estimation.bounded_step import LONGEST_LOG, bounded_step
+from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, Fit, parameter
+from tp_jax.estimation.problem import Linearisation, Problem, columns, spread
+from tp_jax.estimation.robust import Loss, robust
+from tp_jax.estimation.window_states import settle, state_steps
+from tp_jax.model.parameters import Parameter
+
+log = logging.getLogger(__name__)
+
+KINK = 1.0  # a settled window that promises to gain more than this will not keep it
+#: Where kinks of the windows' states roughen the sum of squares, a promise of so many times what
+#: counts as nothing may not be kept.
+NOISE = 30.0
+BENIGN = 0.5  # of a promise kept: then the windows' states can go on together with the unknowns
+UNSETTLED = 0.05  # of a step's promise, shared by the windows: less is not worth an evaluation
+
+
+def fit(
+    problem: Problem,
+    values: Values,
+    unknowns: Sequence[Unknown],
+    states: np.ndarray | None = None,
+    *,
+    bounds: dict[str, tuple[float, float]] | None = None,
+    anchors: Sequence[Anchor] = (),
+    max_iterations: int = 30,
+    tolerance: float = 0.02,
+    relative: float = 1e-6,
+    loss: Loss = "linear",
+) -> Fit:
+    """Fits unknowns and window states to all windows of a problem.
+
+    Arguments and result are those of `least_squares.fit`, but for `loss` (see `robust`);
+    `evaluations` counts passes over the windows.
+    """
+    unknowns = tuple(unknowns)
+    specs = [parameter(problem, u) for u in unknowns]
+    limits = np.array([(bounds or {}).get(s.name, (s.lower, s.upper)) for s in specs])
+    limits = limits.reshape(-1, 2)
+    low, high = (np.array([_coordinate(s, v) for s, v in zip(specs, end, strict=True)])
+                 for end in limits.T)  # fmt: skip
+    longest = np.array([LONGEST_LOG if s.transform == "log" else np.inf for s in specs])
+    slots = columns(unknowns)
+    x = np.clip(values.pick(unknowns), *limits.T)
+    values = values.put(unknowns, x)
+    states = problem.initial_states(values) if states is None else states
+    lin = robust(problem.linearise(values, states, slots), loss)
+    passes = 1.0
+    cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
+    damping, of_states, settled = 1e-4, None, False
+
+    def put_right(values: Values, states: np.ndarray, lin: Linearisation, tolerance: float) -> None:
+        """Moves states, and with them the linearisation, to where no window promises more."""
+        nonlocal passes, of_states
+        found = settle(
+            problem, values, states, lin, slots, tolerance=tolerance, damping=of_states, loss=loss
+        )
+        states[:], passes, of_states = found.states, passes + found.passes, found.damping
+
+    converged, message = False, "The iteration limit was reached."
+    if not np.isfinite(cost):
+        message = "The start could not be integrated."
+    for iteration in range(max_iterations):
+        if not np.isfinite(cost) or passes > max_iterations:
+            break
+        u = np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
+        slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
+        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope)
+        g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
+        for a in anchors:
+            i = unknowns.index(a.unknown)
+            g[i] += (u[i] - a.centre) / a.sd**2
+            H[i, i] += 1.0 / a.sd**2
+        box = np.maximum(low - u, -longest), np.minimum(high - u, longest)
+        enough = max(tolerance, relative * cost)
+        promise = bounded_step(g, H, *box, 0.0).promise
+        own, promised = state_steps(lin, np.zeros(problem.windows.n))
+        if not settled:
+            if promise < enough <= promise + promised.sum():
+                put_right(values, states, lin, 0.01)
+                cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
+                settled = True
+                continue
+            own, promised = np.clip(own, -MAX_STATE_STEP, MAX_STATE_STEP), float(promised.sum())
+        else:  # what is left after settling is rounding, or a kink that a step would not see
+            own, promised = np.where(promised[:, None] < KINK, own, 0.0), 0.0
+        if promise + promised < enough:
+            converged, message = True, "The next step would gain nothing."
+            break
+        accepted = refused = False
+        while not accepted:
+            step = bounded_step(g, H, *box, damping)
+            new_x = np.array(
+                [float(s.from_coordinate(v)) for s, v in zip(specs, u + step.du, strict=True)]
+            )
+            new_x = np.clip(new_x, *limits.T)
+            new_values = values.put(unknowns, new_x)
+            new_states = states + own + np.einsum("wxu,u->wx", elim.state_gain, step.du)
+            new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
+            passes += 1.0
+            prior = _anchor_cost(specs, unknowns, new_x, anchors)
+            share = (cost - new_lin.cost() - prior) / max(step.promise + promised, 1e-300)
+            new_settled = False
+            if new_lin.complete.all() and share < BENIGN:
+                spread_out = UNSETTLED * step.promise / problem.windows.n
+                put_right(new_values, new_states, new_lin, max(spread_out, 0.01))
+                new_settled = True
+            new_cost = new_lin.cost() + prior
+            gain = (cost - new_cost) / max(step.promise + promised, 1e-300)
+            log.debug(
+                "projected: %d cost %.8g -> %.8g gain %.2f damping %.0e passes %.2f",
+                iteration, cost, new_cost, gain, damping, passes,
+            )  # fmt: skip
+            accepted = new_cost < cost
+            if accepted:
+                if gain < 0.3:
+                    damping *= 3.0
+                elif not refused:  # what was too bold just now would be so again
+                    damping = max(damping * (0.1 if gain > 0.7 else 0.5), 1e-9)
+            elif promise < NOISE * enough or damping > 1e6:
+                converged, message = True, "No direction improves the fit."
+                break
+            elif passes > max_iterations:
+                break
+            else:
+                refused, damping = True, 10.0 * max(damping, 1e-4)
+        if not accepted:
+            break
+        small = cost - new_cost < enough and damping < 1.0
+        x, values, states, lin, cost = new_x, new_values, new_states, new_lin, new_cost
+        settled = new_settled
+        if small:
+            converged, message = True, "The last step gained nothing."
+            break
+    elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
+    at_bound = (x <= limits[:, 0]) | (x >= limits[:, 1])
+    return Fit(
+        problem, values, states, unknowns, cost, elim, lin, at_bound, converged,
+        math.ceil(passes), message, tuple(anchors),
+    )  # fmt: skip
+
+
+def _anchor_cost(
+    specs: Sequence[Parameter], unknowns: tuple[Unknown, ...], x: np.ndarray,
+    anchors: Sequence[Anchor],
+) -> float:  # fmt: skip
+    places = [unknowns.index(a.unknown) for a in anchors]
+    u = [float(specs[i].to_coordinate(x[i])) for i in places]
+    return sum(((c - a.centre) / a.sd) ** 2 for c, a in zip(u, anchors, strict=True))
+
+
+def _coordinate(spec: Parameter, value: float) -> float:
+    return float(spec.to_coordinate(max(value, 1e-300) if spec.transform == "log" else value))

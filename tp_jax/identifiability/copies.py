@@ -1,0 +1,241 @@
+"""Many fits of one problem side by side: copies that differ in their numbers and in what is free.
+
+A lane of the engine has numbers of its own, so that copies are nothing but more windows: all are
+linearised in one call, then each takes its own damped Gauss-Newton step. Profiles and nested
+models are fitted so, from a fit that is already near.
+"""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, parameter
+from tp_jax.estimation.problem import Linearisation, Problem, columns, spread
+from tp_jax.estimation.windows import Windows
+
+AT_ONCE = 8
+"""Copies linearised together: enough to fill lanes, few enough to fit the memory."""
+
+TOLERANCE = 0.005
+"""A copy has converged where its next step promises a smaller drop of the sum of squares."""
+
+MAX_ITERATIONS = 25
+LARGEST_LOG_STEP = 1.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Start:
+    """Where a copy begins: its numbers, its window states (w, 4), which unknowns are free (u,)."""
+
+    values: Values
+    states: np.ndarray
+    free: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
+class Fitted:
+    """Where a copy ended: numbers, window states (w, 4), sum of squares with priors, its own
+    information matrix (u, u) in estimation coordinates, and whether it converged."""
+
+    values: Values
+    states: np.ndarray
+    cost: float
+    information: np.ndarray
+    converged: bool
+
+
+@dataclasses.dataclass
+class _Copy:
+    x: np.ndarray  # unknowns, SI units
+    values: Values
+    states: np.ndarray
+    free: np.ndarray
+    lin: Linearisation
+    cost: float
+    damping: float = 1e-6
+    done: bool = False
+    converged: bool = False
+    trial: tuple = ()
+
+
+def fit_copies(
+    problem: Problem,
+    unknowns: Sequence[Unknown],
+    starts: Sequence[Start],
+    *,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    anchors: Sequence[Anchor] = (),
+    tolerance: float = TOLERANCE,
+    max_iterations: int = MAX_ITERATIONS,
+) -> list[Fitted]:
+    """Fits every copy's free unknowns and window states.
+
+    Args:
+        problem: recordings in windows.
+        unknowns: all that is free in any copy.
+        starts: one per copy.
+        bounds: by name, instead of the parameters' own.
+        anchors: priors, the same for all.
+        tolerance: see `TOLERANCE`.
+        max_iterations: linearisations at most.
+    """
+    out: list[Fitted] = []
+    for i in range(0, len(starts), AT_ONCE):
+        group = starts[i : i + AT_ONCE]
+        out += _Group(problem, tuple(unknowns), bounds or {}, tuple(anchors)).fit(
+            group, tolerance, max_iterations
+        )
+    return out
+
+
+class _Group:
+    """A few copies that are linearised together."""
+
+    def __init__(self, problem, unknowns, bounds, anchors):
+        self.problem, self.unknowns, self.anchors = problem, unknowns, anchors
+        self.specs = [parameter(problem, u) for u in unknowns]
+        limits = [bounds.get(s.name, (s.lower, s.upper)) for s in self.specs]
+        self.limits = np.array(limits, float).reshape(-1, 2)
+        self.coordinates = np.array(
+            [[_coordinate(s, v) for v in pair] for s, pair in zip(self.specs, limits, strict=True)]
+        ).reshape(-1, 2)
+        self.slots = columns(unknowns)
+        self.wide: dict[int, Problem] = {}
+
+    def fit(self, starts: Sequence[Start], tolerance: float, most: int) -> list[Fitted]:
+        xs = [np.clip(s.values.pick(self.unknowns), *self.limits.T) for s in starts]
+        first = [s.values.put(self.unknowns, x) for s, x in zip(starts, xs, strict=True)]
+        lins = self._linearise(first, [s.states for s in starts])
+        copies = [
+            _Copy(x, v, s.states, s.free, lin, self._cost(v, lin))
+            for x, v, s, lin in zip(xs, first, starts, lins, strict=True)
+        ]
+        for _ in range(most):
+            going = []
+            for c in copies:
+                if not c.done:
+                    self._propose(c, tolerance)
+                if not c.done:
+                    going.append(c)
+            if not going:
+                break
+            lins = self._linearise([c.trial[1] for c in going], [c.trial[2] for c in going])
+            for c, lin in zip(going, lins, strict=True):
+                self._judge(c, lin)
+        return [self._ended(c) for c in copies]
+
+    def _linearise(self, values: Sequence[Values], states: Sequence[np.ndarray]):
+        """One call for all, then each copy's own part of it."""
+        count, w = len(values), self.problem.windows
+        if count not in self.wide:
+            self.wide[count] = _repeated(self.problem, count)
+        table = np.concatenate([v.table for v in values], axis=1)
+        lin = self.wide[count].linearise(
+            Values(values[0].layout, table), np.concatenate(states), self.slots
+        )
+        parts = []
+        for k in range(count):
+            s = slice(k * w.n, (k + 1) * w.n)
+            parts.append(
+                Linearisation(
+                    lin.r[s], lin.states_jac[s], lin.slots_jac[s], lin.valid[s], lin.states[s],
+                    lin.complete[s], lin.slots, w.recording,
+                )
+            )  # fmt: skip
+        return parts
+
+    def _cost(self, values: Values, lin: Linearisation) -> float:
+        return lin.cost() + sum(_residual(a, values, self.problem) ** 2 for a in self.anchors)
+
+    def _normal(self, c: _Copy, damping: float):
+        """Gradient, information and window states, in estimation coordinates."""
+        slope = np.array([s.slope(v) for s, v in zip(self.specs, c.x, strict=True)])
+        elim = eliminate(c.lin.r, c.lin.states_jac, spread(c.lin, self.unknowns) * slope, damping)
+        g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
+        for a in self.anchors:
+            i = self.unknowns.index(a.unknown)
+            g[i] += _residual(a, c.values, self.problem) / a.sd
+            H[i, i] += 1.0 / a.sd**2
+        return g, H, elim
+
+    def _propose(self, c: _Copy, tolerance: float) -> None:
+        if not np.isfinite(c.cost):
+            c.done = True
+            return
+        g, H, elim = self._normal(c, c.damping)
+        u = np.array([float(s.to_coordinate(v)) for s, v in zip(self.specs, c.x, strict=True)])
+        low, high = (self.coordinates - u[:, None]).T
+        logs = np.array([s.transform == "log" for s in self.specs], bool)
+        low = np.where(logs, np.maximum(low, -LARGEST_LOG_STEP), low)
+        high = np.where(logs, np.minimum(high, LARGEST_LOG_STEP), high)
+        du = np.zeros(len(u))
+        f = c.free
+        if f.any():
+            du[f] = _bounded_step(H[np.ix_(f, f)], g[f], low[f], high[f], c.damping)
+        promise = -float(2.0 * g @ du + du @ H @ du)
+        promise += float(((c.lin.r**2).sum(axis=1) - elim.cost).sum())
+        if promise < tolerance:
+            c.done = c.converged = True
+            return
+        states = np.clip(elim.state_step, -MAX_STATE_STEP, MAX_STATE_STEP)
+        states = c.states + states + np.einsum("wxu,u->wx", elim.state_gain, du)
+        new = [float(s.from_coordinate(v)) for s, v in zip(self.specs, u + du, strict=True)]
+        # what is held keeps its digits
+        x = np.where(f, np.clip(new, *self.limits.T), c.x)
+        c.trial = (x, c.values.put(self.unknowns, x), states, promise)
+
+    def _judge(self, c: _Copy, lin: Linearisation) -> None:
+        x, values, states, promise = c.trial
+        cost = self._cost(values, lin)
+        if cost < c.cost:
+            gain = (c.cost - cost) / promise
+            c.x, c.values, c.states, c.lin, c.cost = x, values, states, lin, cost
+            c.damping = max(c.damping * (0.1 if gain > 0.7 else 0.5 if gain > 0.3 else 3.0), 1e-9)
+        else:
+            c.damping = max(c.damping, 1e-4) * 8.0
+            # no direction improves it: the derivative of a kink, not of the sum of squares
+            c.done = c.converged = c.damping > 1e6
+
+    def _ended(self, c: _Copy) -> Fitted:
+        information = np.zeros((len(self.specs),) * 2)
+        if np.isfinite(c.cost):
+            _, information, _ = self._normal(c, 0.0)
+        return Fitted(c.values, c.states, c.cost, information, c.converged)
+
+
+def _repeated(problem: Problem, count: int) -> Problem:
+    """The same recordings and windows `count` times."""
+    w, n = problem.windows, len(problem.prepared)
+    recording = np.concatenate([w.recording + k * n for k in range(count)])
+    windows = Windows(recording, np.tile(w.first, count), np.tile(w.count, count), w.horizon)
+    return dataclasses.replace(problem, prepared=problem.prepared * count, windows=windows)
+
+
+def _bounded_step(
+    H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray, damping: float
+) -> np.ndarray:
+    """Minimum of `2 g d + d H d` within bounds, damped along the diagonal of H."""
+    scale = np.sqrt(np.maximum(np.diag(H), 1e-12 * max(np.diag(H).max(initial=0.0), 1e-300)))
+    value, vector = np.linalg.eigh(H / np.outer(scale, scale) + damping * np.eye(len(g)))
+    root = np.sqrt(np.maximum(value, 1e-12))
+    A = (vector * root).T  # A'A = H, scaled
+    b = -(vector.T @ (g / scale)) / root
+    span = np.stack([low * scale, np.maximum(high, low + 1e-300) * scale])
+    span[1] = np.maximum(span[1], span[0] + 1e-12)
+    return np.clip(lsq_linear(A, b, (span[0], span[1])).x / scale, low, high)
+
+
+def _coordinate(spec, value: float) -> float:
+    if spec.transform == "log":
+        return float(np.log(max(value, 1e-300)))
+    return float(spec.to_coordinate(value))
+
+
+def _residual(a: Anchor, values: Values, problem: Problem) -> float:
+    spec = parameter(problem, a.unknown)
+    u = spec.to_coordinate(values.get(a.unknown.name, a.unknown.recording))
+    return float((u - a.centre) / a.sd)

@@ -1,0 +1,109 @@
+"""What a fit knows: information matrix, correlations, combinations that stay unknown.
+
+The information is that of the linearised residuals in windows, their states eliminated
+(`tp_jax.estimation.elimination`); its inverse bounds the covariance of any unbiased estimate
+(Cramér-Rao).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.least_squares import Fit, parameter
+from tp_jax.identifiability.null_directions import Direction
+from tp_jax.model.parameters import NUISANCES
+
+UNKNOWN = np.log(2.0)
+"""A combination known no better than to this (a factor of two, one standard deviation) counts as
+unknown."""
+
+FEW = 0.1
+"""Coefficients below this part of the largest are left out of a direction that is only weak."""
+
+_NUISANCES = frozenset(p.name for p in NUISANCES)
+
+
+class Information(NamedTuple):
+    """Information of a fit.
+
+    names: (u,) unknowns, nuisances included; matrix: (u, u) in relative changes, that of a
+    parameter that is zero, or of a nuisance, in units of its typical size; scale: (u,) those
+    units [SI]; correlation: (u, u) of the estimates; sd: (u,) standard deviations [SI], the
+    misfit beyond the noise included; directions: combinations of parameters, nuisances
+    optimised, that these data leave unknown.
+    """
+
+    names: tuple[str, ...]
+    matrix: Float[np.ndarray, "u u"]
+    scale: Float[np.ndarray, " u"]
+    correlation: Float[np.ndarray, "u u"]
+    sd: Float[np.ndarray, " u"]
+    directions: tuple[Direction, ...]
+
+
+def information(fit: Fit, setting: Setting) -> Information:
+    """Information of a fit; what its campaign states beforehand counts, a mere guard does not.
+
+    Args:
+        fit: of the baseline's unknowns.
+        setting: its campaign.
+    """
+    names = tuple(u.name for u in fit.unknowns)
+    scale = np.array([_scale(fit, i) for i in range(len(names))])
+    H = fit.eliminated.H.sum(axis=0) / max(fit.chi2_dof, 1.0)
+    for a in fit.anchors:
+        # The prior on T0 only keeps steps finite: what it alone decides is not known.
+        if a.unknown.name in setting.priors:
+            i = fit.unknowns.index(a.unknown)
+            slope = parameter(fit.problem, a.unknown).slope(fit.values.get(a.unknown.name))
+            H[i, i] += 1.0 / (a.sd * slope) ** 2
+    matrix = H * np.outer(scale, scale)
+    covariance = inverse(matrix)
+    sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(sd > 0.0, sd, 1.0)
+    correlation = np.clip(covariance / np.outer(safe, safe), -1.0, 1.0)
+    np.fill_diagonal(correlation, 1.0)
+    return Information(names, matrix, scale, correlation, sd * scale, _weak(matrix, names, UNKNOWN))
+
+
+def inverse(matrix: np.ndarray) -> np.ndarray:
+    """Inverse of an information matrix (u, u), scaled first; huge rather than infinite along
+    directions without any information."""
+    least = max(1e-30 * float(np.diag(matrix).max(initial=0.0)), 1e-200)
+    d = np.sqrt(np.maximum(np.diag(matrix), least))
+    value, vector = np.linalg.eigh(matrix / np.outer(d, d))
+    value = np.maximum(value, 1e-14 * max(value.max(initial=0.0), 1e-300))
+    return (vector / value) @ vector.T / np.outer(d, d)
+
+
+def _scale(fit: Fit, i: int) -> float:
+    u = fit.unknowns[i]
+    spec = parameter(fit.problem, u)
+    value = abs(fit.values.get(u.name, u.recording))
+    if spec.transform == "log":
+        return value
+    small = value < 1e-3 * spec.typical
+    return spec.typical if small or u.name in _NUISANCES else value
+
+
+def _weak(matrix: np.ndarray, names: tuple[str, ...], unknown: float) -> tuple[Direction, ...]:
+    """Eigenvectors of what is left for the parameters when the nuisances are optimised."""
+    p = [i for i, n in enumerate(names) if n not in _NUISANCES]
+    q = [i for i, n in enumerate(names) if n in _NUISANCES]
+    left = matrix[np.ix_(p, p)]
+    if q:
+        cross = matrix[np.ix_(p, q)]
+        left = left - cross @ inverse(matrix[np.ix_(q, q)]) @ cross.T
+    value, vector = np.linalg.eigh(0.5 * (left + left.T))
+    out = []
+    for size, row in zip(value, vector.T, strict=True):
+        largest = float(row[np.argmax(np.abs(row))])
+        row = row / largest
+        sd = 1.0 / np.sqrt(max(float(size), 1e-300)) * abs(largest)
+        if sd < unknown:
+            continue
+        kept = {names[i]: float(x) for i, x in zip(p, row, strict=True) if abs(x) >= FEW}
+        out.append(Direction(kept, "practical", sd))
+    return tuple(out)

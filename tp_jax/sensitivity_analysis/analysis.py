@@ -1,0 +1,255 @@
+"""`sensitivity`: which parameters of a campaign matter, when, and which can be known at all."""
+
+import dataclasses
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tp_jax._version import __version__
+from tp_jax.errors import InputError
+from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.identifiability.design import UNKNOWNS, Design, designs_of
+from tp_jax.identifiability.information import information
+from tp_jax.identifiability.null_directions import Direction
+from tp_jax.identifiability.profile_likelihood import Profile, profiles
+from tp_jax.identifiability.rank import POINTS, rank
+from tp_jax.model.parameters import BY_NAME
+from tp_jax.recordings import Campaign
+from tp_jax.sensitivity_analysis import record
+from tp_jax.sensitivity_analysis.local import local
+from tp_jax.sensitivity_analysis.morris import TRAJECTORIES, morris
+from tp_jax.sensitivity_analysis.ranges import SPREAD, ranges
+from tp_jax.sensitivity_analysis.sobol import SAMPLES, sobol
+from tp_jax.sensitivity_analysis.summary import summary
+
+SCHEMA = "tp-jax/sensitivity/1"
+
+Progress = Callable[[str, float | None], None]
+
+
+@dataclasses.dataclass(frozen=True)
+class SensitivityAnalysis:
+    """What `sensitivity` found; `to_dict` is the result as plain numbers.
+
+    result: schema tp-jax/sensitivity/1; fit: the point at which it was taken; profiles: likelihood
+    profiles of the parameters for which they were asked for.
+    """
+
+    result: dict[str, Any]
+    fit: Fit
+    profiles: tuple[Profile, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema tp-jax/sensitivity/1."""
+        return self.result
+
+    def summary(self) -> str:
+        """A table for a terminal."""
+        return summary(self.result)
+
+
+def sensitivity(
+    campaign: Campaign,
+    *,
+    model: str = "newton",
+    fix: Mapping[str, float] | None = None,
+    spread: float = SPREAD,
+    samples: int = SAMPLES,
+    trajectories: int = TRAJECTORIES,
+    points: int = POINTS,
+    profile: Sequence[str] = (),
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> SensitivityAnalysis:
+    """Identifiability, local and global sensitivity of the parameters of a campaign.
+
+    The campaign is fitted; structural identifiability is looked for at random points around the
+    fit, everything else is taken at it, over the experiments that the fitted recordings are.
+
+    Args:
+        campaign: see `load_campaign`.
+        model: "newton", or "paper" for the equations as printed.
+        fix: parameters to hold, by name, SI units.
+        spread: for the global indices, parameters run from the fit's value by this factor down to
+            one by it up.
+        samples: points of the Sobol' sequence, a power of two.
+        trajectories: of the elementary effects.
+        points: random points of the structural analysis.
+        profile: parameters whose likelihood profile is wanted; all of them: ("all",).
+        seed: of everything random.
+        progress: called with a stage's name and the part of it that is done.
+
+    Raises:
+        InputError: an argument is not one that can be used.
+    """
+    begin = time.perf_counter()
+    report = progress or (lambda stage, fraction: None)  # noqa: ARG005
+    _check(fix or {}, spread, samples, trajectories, points)
+    setting = prepare_campaign(campaign, model=model, fix=dict(fix or {}), effects=())
+    fit = grow(setting, initial_values(setting), setting.unknowns(), progress=report)
+    if not np.isfinite(fit.cost):
+        raise InputError(f"{campaign.name} could not be fitted: {fit.message}")
+    found = _profiles(fit, setting, profile, report)
+    designs = designs_of(setting, fit)
+    names = _names(designs)
+    values = {n: fit.values.get(n) for n in (*names, "reaction")}
+    scale = {n: _size(n, values, setting) for n in names}
+    given = _given(setting, fix or {})
+    structure = rank(
+        designs, {**scale, "reaction": values["reaction"]}, names, points=points, seed=seed,
+        progress=report,
+    )  # fmt: skip
+    structural = [_removed(d, given) for d in structure.directions]
+    known = information(fit, setting)
+
+    over = ranges(values, [n for n in names if n not in given], setting.fixed["B1"], spread)
+    through_time, variances, effects = [], [], []
+    for i, d in enumerate(designs):
+        report("sensitivity of the recordings", i / len(designs))
+        through_time.append(local(d, values, names, scale))
+        variances.append(sobol(d, values, over, samples=samples, seed=seed))
+        effects.append(morris(d, values, over, trajectories=trajectories, seed=seed))
+    parameters = _parameters(fit, setting, names, structural, given)
+    result = {
+        "schema": SCHEMA,
+        "campaign": campaign.name,
+        "model": model,
+        "identifiable": {n: p["identifiable"] for n, p in parameters.items()},
+        "parameters": parameters,
+        "null_directions": [d.to_dict() for d in (*structural, *known.directions)],
+        "structural": record.structural(structure),
+        "correlation": {"parameters": list(known.names), "matrix": known.correlation.tolist()},
+        "local": record.local_record(through_time, scale),
+        "sobol": record.sobol_record(variances, over, samples),
+        "morris": record.morris_record(effects, over, trajectories),
+        "profile": {p.name: p.to_dict() for p in found},
+        "fit": {
+            "chi2_dof": fit.chi2_dof, "converged": fit.converged, "message": fit.message,
+            "noise_floor": dict(setting.noise),
+        },
+        "warnings": _warnings(fit, structural, through_time),
+        "provenance": {
+            "version": __version__, "seed": seed, "data_sha256": campaign.data_sha256,
+            "eps": setting.eps, "horizon_s": fit.problem.windows.horizon, "spread": spread,
+            "wall_s": round(time.perf_counter() - begin, 2),
+        },
+    }  # fmt: skip
+    return SensitivityAnalysis(result, fit, found)
+
+
+def _check(
+    fix: Mapping[str, float], spread: float, samples: int, trajectories: int, points: int
+) -> None:
+    for name in fix:
+        if name not in UNKNOWNS:
+            raise InputError(
+                f"There is no parameter {name!r}, choose one of: {', '.join(UNKNOWNS)}."
+            )
+    if not spread > 1.0:
+        raise InputError(f"The spread must be a factor above 1, but is {spread:g}.")
+    if samples < 2 or samples & (samples - 1):
+        raise InputError(f"The samples must be a power of two, but are {samples}.")
+    if trajectories < 2:
+        raise InputError(f"There must be two trajectories or more, but are {trajectories}.")
+    if points < 1:
+        raise InputError(f"There must be one point or more, but there are {points}.")
+
+
+def _profiles(
+    fit: Fit, setting: Setting, wanted: Sequence[str], report: Progress
+) -> tuple[Profile, ...]:
+    if not wanted:
+        return ()
+    there = [u.name for u in fit.unknowns if u.name in UNKNOWNS]
+    names = there if tuple(wanted) == ("all",) else list(wanted)
+    for n in names:
+        if n not in there:
+            raise InputError(f"{n} is not fitted here, choose one of: {', '.join(there)}.")
+    return profiles(fit, setting, names, progress=report)
+
+
+def _names(designs: Sequence[Design]) -> tuple[str, ...]:
+    """What any of the experiments may depend on, in the order of Listing 1."""
+    there = {n for d in designs for n in d.unknowns}
+    return tuple(n for n in (*UNKNOWNS, "gain") if n in there)
+
+
+def _size(name: str, values: Mapping[str, float], setting: Setting) -> float:
+    """The value, or what is typical where it is zero: there is no relative change of nothing."""
+    typical = BY_NAME[name].scaled(setting.fixed["B1"]).typical
+    if name == "Ts2":
+        return max(values["Ts2"], values["Ts1"], values["Tst"], typical)
+    value = abs(values[name])
+    return value if value > 1e-3 * typical or BY_NAME[name].transform == "log" else typical
+
+
+def _given(setting: Setting, fix: Mapping[str, float]) -> dict[str, str]:
+    """What is held, and why; B1 = 1 for want of a better number is not given."""
+    given = {n: f"{n} is given" for n in setting.fixed}
+    if setting.campaign.B1 is None and "B1" not in fix:
+        del given["B1"]
+    return given
+
+
+def _removed(direction: Direction, given: Mapping[str, str]) -> Direction:
+    reasons = [given[n] for n in direction.coefficients if n in given]
+    return dataclasses.replace(direction, removed_by=reasons[0] if reasons else None)
+
+
+def _parameters(
+    fit: Fit,
+    setting: Setting,
+    names: Sequence[str],
+    structural: Sequence[Direction],
+    given: Mapping[str, str],
+) -> dict[str, dict[str, Any]]:
+    found = intervals(fit, setting)
+    free = {n for d in structural if d.removed_by is None for n in d.coefficients}
+    # Without B1 the scale is free: it is B1's lack, the others are known relative to it.
+    free = {n for n in free if n == "B1"} if "B1" in free else free
+    free |= {n for d in structural if len(d.coefficients) == 1 for n in d.coefficients}
+    out = {}
+    for n in names:
+        entry = found.get(n)
+        held = n in given
+        practical = held or (entry is not None and bool(entry["identifiable"]))
+        out[n] = {
+            "value": fit.values.get(n),
+            "unit": BY_NAME[n].unit,
+            "ci95": None if entry is None else entry["ci95"],
+            "standard_error": None if entry is None else entry["standard_error"],
+            "given": held,
+            "structural": n not in free,
+            "practical": practical,
+            "identifiable": n not in free and practical,
+        }
+    return out
+
+
+def _warnings(fit: Fit, structural: Sequence[Direction], runs: Sequence) -> list[dict[str, Any]]:
+    out = []
+    for d in structural:
+        if d.removed_by is None:
+            code = "unidentifiable" if len(d.coefficients) == 1 else "free_scale"
+            text = f"No recording of these angles tells {d.text}."
+            out.append({"code": code, "parameters": list(d.coefficients), "text": text})
+    if fit.chi2_dof > 1.2:
+        text = (
+            f"The misfit is {fit.chi2_dof:.3g} times the noise: what is said here holds for the "
+            "model, not yet for the rig; run `tp-jax diagnose`."
+        )
+        out.append({"code": "misfit", "parameters": [], "text": text})
+    if not fit.converged:
+        out.append({"code": "not_converged", "parameters": [], "text": fit.message})
+    doubtful = [r.label for r in runs if not r.reliable.all()]
+    if doubtful:
+        text = (
+            f"Derivatives along the whole of {', '.join(doubtful)} are in doubt: the run grazes a "
+            "reversal or cannot be predicted so far ahead."
+        )
+        out.append({"code": "doubtful_derivatives", "parameters": [], "text": text})
+    return out
