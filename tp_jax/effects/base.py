@@ -39,7 +39,8 @@ CHANNELS = {
 }
 
 HOOKS = (
-    "clock", "phase", "drive", "spring", "bearing", "contact", "column", "sensor1", "sensor2",
+    "clock", "phase", "drive", "spring", "bearing", "contact", "column", "base", "sensor1",
+    "sensor2",
 )  # fmt: skip
 
 
@@ -83,7 +84,8 @@ class Effect:
         id: name in results, as in the catalogue.
         location: place in the rig; decides the channel (`CHANNELS`).
         hook: the quantity `increment` adds to: clock [1], phase [rad], drive [rad], spring
-            [N m], bearing [N m], contact [N m], column [N m], sensor1 [rad], sensor2 [rad].
+            [N m], bearing [N m], contact [N m], column [N m], base (its acceleration) [rad/s^2],
+            sensor1 [rad], sensor2 [rad].
         amplitudes, shapes: see `Amplitude` and `Shape`.
         needs: conditions a campaign must meet: "rider" (two angles), "sine" (a commanded drive),
             "several" (more than one recording), "inertias" (B1 and B2 given).
@@ -92,7 +94,7 @@ class Effect:
         uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
         relative: the amplitudes of the recordings matter only relative to each other (their common
             part is a parameter's), so that the last recording's is held at zero.
-        n_states: number of states of its own.
+        n_states: number of states of its own, each in rad, zero where a run begins at rest.
         formula, source, looks_like: for people.
     """
 
@@ -122,6 +124,18 @@ class Effect:
     def rates(self, m: Motion, **values: Any) -> tuple:  # noqa: ARG002
         """Derivatives of the effect's own states; `m.z` holds them."""
         return ()
+
+    def past(self, m: Motion, **values: Any) -> tuple:  # noqa: ARG002
+        """The effect's own states along a motion: what it remembers where a window begins.
+
+        Args:
+            m: a row of instants (n,) in the order of time, as measured (smoothed) or as fitted.
+            values: amplitudes and shape constants by name; the amplitudes do not matter.
+
+        Returns:
+            Each state (n,), zero at first.
+        """
+        return (0.0 * m.phi1,) * self.n_states
 
     @property
     def channel(self) -> str:
@@ -165,3 +179,7 @@ class Applied(eqx.Module):
     def rates(self, m: Motion) -> tuple:
         """Derivatives of its own states."""
         return self.effect.rates(m, **self.values)
+
+    def past(self, m: Motion) -> tuple:
+        """Its own states along a motion."""
+        return self.effect.past(m, **self.values)

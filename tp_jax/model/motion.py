@@ -13,19 +13,21 @@ class Motion:
         phi1, phi2, v1, v2: angles [rad] and velocities [rad/s]; phi2 and v2 are relative to the
             column.
         theta, A, f, d: drive phase [rad], amplitude [rad], angle f_e [rad]; d = f - phi1.
+        f_rate: function of nothing that gives the rate of f [rad/s], worked out when asked for.
         k, spring: stiffness [N m/rad], spring torque on the column [N m].
         sign1, M1, bearing_dry, bearing_viscous, bearing: smoothed sign of v1, coefficient [N m],
             the two parts and their sum M_L [N m].
         sign2, Ts1, contact_dry, contact_viscous, contact: likewise for the contact, M_T [N m].
         B1, B2: inertias [kg m^2].
-        a1, a2: accelerations [rad/s^2]; set only where the sensors are evaluated.
+        a1, a2: accelerations [rad/s^2], the derivatives of v1 and v2; set only where the sensors
+            are evaluated.
         z: tuple of the effects' own states.
     """
 
     __slots__ = (
         "A", "B1", "B2", "M1", "Ts1", "a1", "a2", "bearing", "bearing_dry", "bearing_viscous",
-        "contact", "contact_dry", "contact_viscous", "d", "f", "k", "phi1", "phi2", "s", "sign1",
-        "sign2", "spring", "t", "theta", "v1", "v2", "z",
+        "contact", "contact_dry", "contact_viscous", "d", "f", "f_rate", "k", "phi1", "phi2", "s",
+        "sign1", "sign2", "spring", "t", "theta", "v1", "v2", "z",
     )  # fmt: skip
 
     def __init__(self, **values: Any):

@@ -9,6 +9,9 @@ states of the effects that have any.
 With phi2 relative to the column the contact torque does the virtual work -M_T dphi2 only, so the
 column receives M_T once. The paper's 2 cannot be seen in angles: it halves B1, k, c1 and M1.
 
+Where an effect lets the base turn with an acceleration psi'', (16a) is that of the column's own
+turning, v1' + psi'', and (16b) that of v1' + psi'' + v2'.
+
 All components may be arrays of equal shape; the equations work elementwise.
 """
 
@@ -16,6 +19,7 @@ from abc import abstractmethod
 from typing import Any, Protocol
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -36,7 +40,7 @@ class Term(Protocol):
     """An effect with its amplitudes, as `tp_jax.effects` provides it.
 
     `hook` names the quantity it adds to: clock, phase, drive, spring, bearing, contact, column,
-    sensor1 or sensor2. `n_states` is the number of its own states.
+    base, sensor1 or sensor2. `n_states` is the number of its own states.
     """
 
     hook: str
@@ -75,9 +79,8 @@ class AbstractTorsionPendulum(eqx.Module):
                 total = total + term.increment(Motion(t=t))
         return total
 
-    def _column_motion(self, t: Array, y: tuple) -> Motion:
-        """Everything up to the bearing's torque; `t` is recorded time."""
-        t = t * self.clock_rate(t)
+    def _driven(self, t: Array, y: tuple) -> Motion:
+        """Everything up to the angle of the spring's far end; `t` is true time."""
         phi1, phi2, v1, v2 = y[:4]
         middle, rate = self.drift
         m = Motion(t=t, s=(t - middle) * rate, phi1=phi1, phi2=phi2, v1=v1, v2=v2, z=y[4:])
@@ -85,7 +88,15 @@ class AbstractTorsionPendulum(eqx.Module):
         m.theta = self.drive.phase(t)
         m.theta = m.theta + self._sum("phase", m)
         m.f = self.drive.angle(t, m.theta) + self._sum("drive", m)
-        m.d = m.f - phi1
+        return m
+
+    def _column_motion(self, t: Array, y: tuple) -> Motion:
+        """Everything up to the bearing's torque; `t` is recorded time."""
+        t = t * self.clock_rate(t)
+        m = self._driven(t, y)
+        v1 = m.v1
+        m.f_rate = lambda: jax.jvp(lambda t: self._driven(t, y).f, (t,), (jnp.ones_like(t),))[1]
+        m.d = m.f - m.phi1
         m.k = self.spring.k
         m.spring = self.spring.torque(m.d + self.drive.rest) + self._sum("spring", m)
         m.M1 = self.bearing.M1
@@ -178,8 +189,9 @@ class DoubleTorsionPendulum(AbstractTorsionPendulum):
         # fuses them evaluates a sum anew for either, a quotient once.
         rider = m.contact / self.B2
         column = m.spring - m.bearing + self._sum("column", m)
-        m.a1 = column / self.B1 + self.reaction * (self.B2 / self.B1) * rider
-        m.a2 = -rider - m.a1
+        absolute = column / self.B1 + self.reaction * (self.B2 / self.B1) * rider
+        m.a1 = absolute - self._sum("base", m)
+        m.a2 = -rider - absolute
         return m
 
 
@@ -197,7 +209,7 @@ class SingleTorsionPendulum(AbstractTorsionPendulum):
     def motion(self, t: Array, y: tuple) -> Motion:
         """All quantities of one instant, accelerations [rad/s^2] included."""
         m = self._column_motion(t, y)
-        m.a1 = (m.spring - m.bearing + self._sum("column", m)) / self.B1
+        m.a1 = (m.spring - m.bearing + self._sum("column", m)) / self.B1 - self._sum("base", m)
         m.a2 = jnp.zeros_like(m.a1)
         # The rider's velocity is not a motion of anything here.
         m.v2 = jnp.zeros_like(m.v2)
