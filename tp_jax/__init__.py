@@ -12,7 +12,7 @@ told to compute in 64 bits before any of its arrays exists.
 Data flows one way through the package:
 
     acquisition -> recordings -> estimation (over model, effects, simulation)
-                -> sensitivity, gap -> report, cli
+                -> identifiability -> sensitivity_analysis, validation, gap -> report, cli
 """
 
 from importlib import import_module
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from tp_jax.recordings import CampaignError as CampaignError
     from tp_jax.recordings import Recording as Recording
     from tp_jax.recordings import load_campaign as load_campaign
+    from tp_jax.sensitivity_analysis.analysis import SensitivityAnalysis as SensitivityAnalysis
+    from tp_jax.sensitivity_analysis.analysis import sensitivity as sensitivity
     from tp_jax.simulation.sensitivities import Sensitivities as Sensitivities
     from tp_jax.simulation.sensitivities import sensitivities as sensitivities
     from tp_jax.simulation.solve import Trajectory as Trajectory
@@ -54,6 +56,7 @@ _WITH_JAX = {
     "Diagnosis": ("tp_jax.gap.diagnosis", "Diagnosis"),
     "DoubleTorsionPendulum": ("tp_jax.model.pendulum", "DoubleTorsionPendulum"),
     "Sensitivities": ("tp_jax.simulation.sensitivities", "Sensitivities"),
+    "SensitivityAnalysis": ("tp_jax.sensitivity_analysis.analysis", "SensitivityAnalysis"),
     "SingleTorsionPendulum": ("tp_jax.model.pendulum", "SingleTorsionPendulum"),
     "Sweep": ("tp_jax.simulation.sweep", "Sweep"),
     "Trajectory": ("tp_jax.simulation.solve", "Trajectory"),
@@ -64,6 +67,7 @@ _WITH_JAX = {
     "predict": ("tp_jax.gap.predict", "predict"),
     "presets": ("tp_jax.model.presets", None),
     "sensitivities": ("tp_jax.simulation.sensitivities", "sensitivities"),
+    "sensitivity": ("tp_jax.sensitivity_analysis.analysis", "sensitivity"),
     "simulate": ("tp_jax.simulation.solve", "simulate"),
     "sweep": ("tp_jax.simulation.sweep", "sweep"),
 }
@@ -76,6 +80,7 @@ __all__ = [
     "InputError",
     "Recording",
     "Sensitivities",
+    "SensitivityAnalysis",
     "SingleTorsionPendulum",
     "Sweep",
     "Trajectory",
@@ -88,6 +93,7 @@ __all__ = [
     "presets",
     "report",
     "sensitivities",
+    "sensitivity",
     "simulate",
     "sweep",
 ]

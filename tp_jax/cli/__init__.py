@@ -24,6 +24,7 @@ def build_parser() -> Parser:
         predict,
         record,
         rig,
+        sensitivity,
         simulate,
     )
 
@@ -45,6 +46,7 @@ def build_parser() -> Parser:
         record,
         rig,
         identify,
+        sensitivity,
         diagnose,
         predict,
         blind,

@@ -19,10 +19,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Layout
 from tp_jax.estimation.least_squares import Fit, parameter
-from tp_jax.estimation.problem import LANES
-from tp_jax.estimation.program import Block, linearise
+from tp_jax.estimation.least_squares import fit as fit_windows
+from tp_jax.estimation.problem import LANES, columns, spread
+from tp_jax.estimation.program import NONE, Block, linearise
 from tp_jax.identifiability.information import inverse
 from tp_jax.identifiability.profile_likelihood import levels_of
 from tp_jax.model.parameters import NUISANCES
@@ -136,8 +138,13 @@ def windowed_density(fit: Fit, setting: Setting) -> WindowedDensity:
 
 
 def _parts(fit: Fit) -> tuple[Part, ...]:
-    problem, elim = fit.problem, fit.eliminated
-    states = fit.states + elim.state_step
+    problem = fit.problem
+    # At the end of a fit a window's state may still be far from its best where that gains little,
+    # the rate of a body that sticks above all; from there one linearisation would not do.
+    best = fit_windows(problem, fit.values, (), fit.states, tolerance=1e-6, relative=0.0)
+    states = best.states
+    lin = problem.linearise(fit.values, states, columns(fit.unknowns))
+    elim = eliminate(lin.r, lin.states_jac, spread(lin, fit.unknowns))
     parts = []
     for which, places, block in problem.blocks():
         _, lane, at = places.T
@@ -186,7 +193,7 @@ def _part(layout, tolerances, longest, part: Part, data: Data, x: Array):
     start = part.states + part.gain @ (x - data.base)
     x0 = jnp.zeros((n, layout.n_states, part.block.ts.shape[1]))
     x0 = x0.at[part.at, :4, part.lane].set(start)
-    out = linearise(layout, tolerances, p, x0, part.block, data.slots)
+    out = linearise(layout, tolerances, NONE, p, x0, part.block, data.slots)
     # each window's own rows, padded to the longest
     row = part.at[:, None] + jnp.arange(longest)
     inside = jnp.arange(longest) < part.count[:, None]

@@ -1,0 +1,74 @@
+"""All figures of an analysis as PNG."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tp_jax.errors import InputError
+from tp_jax.report import style
+from tp_jax.report.sensitivity import (
+    correlation,
+    elementary_effects,
+    profiles,
+    singular_values,
+    sobol_indices,
+    sobol_through_time,
+    through_time,
+)
+
+FIGURES = {
+    "local-through-time": through_time.draw,
+    "sobol": sobol_indices.draw,
+    "sobol-through-time": sobol_through_time.draw,
+    "morris": elementary_effects.draw,
+    "correlation": correlation.draw,
+    "identifiability": singular_values.draw,
+    "profiles": profiles.draw,
+}
+
+
+def needed() -> None:
+    """Says before the work that there is nothing to draw with.
+
+    Raises:
+        InputError: matplotlib is not installed.
+    """
+    if not style.available():
+        raise InputError(
+            "Drawing needs matplotlib, which is not installed: pip install 'tp-jax[plots]'."
+        )
+
+
+def write_figures(analysis: Mapping[str, Any], folder: str | Path) -> list[Path]:
+    """Draws what there is to draw of an analysis; each file appears whole or not at all.
+
+    Args:
+        analysis: schema tp-jax/sensitivity/1.
+        folder: made where it is missing.
+
+    Returns:
+        The files written.
+
+    Raises:
+        InputError: matplotlib is not installed.
+        OSError: a file cannot be written.
+    """
+    needed()
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, draw in FIGURES.items():
+        target = folder / f"{name}.png"
+        figure = draw(analysis)
+        if figure is None:
+            target.unlink(missing_ok=True)  # of an earlier analysis
+            continue
+        part = folder / f".{name}.{os.getpid()}.png"
+        try:
+            style.save(figure, part)
+            os.replace(part, target)
+        finally:
+            part.unlink(missing_ok=True)
+        written.append(target)
+    return written
