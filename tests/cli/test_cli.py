@@ -1,6 +1,5 @@
 """The command line: what it prints where, its exit codes, and that it answers at once."""
 
-import importlib
 import json
 import subprocess
 import sys
@@ -150,7 +149,7 @@ def any_campaign(monkeypatch):
     """No campaign is read: what the library is called with is looked at instead."""
     campaign = SimpleNamespace(name="a rig/of ours")
     for command in ("identify", "diagnose"):
-        module = importlib.import_module(f"tp_jax.cli.{command}")
+        module = sys.modules[f"tp_jax.cli.{command}"]
         monkeypatch.setattr(module, "load", lambda args, path: campaign)
     return campaign
 
@@ -274,6 +273,7 @@ def test_identify(any_campaign, capsys, monkeypatch, tmp_path):
     ((campaign,), options) = called[0]
     assert campaign is any_campaign
     assert callable(options.pop("progress"))
+    assert options.pop("checkpoint") == Path("a rig-of ours-identification/starts.json")
     assert options == {
         "model": "paper",
         "method": "nelder-mead",

@@ -1,6 +1,9 @@
 """tp-jax identify: fits the model's parameters to a campaign from several starts."""
 
 import argparse
+import contextlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from tp_jax.cli.arguments import (
     add_campaign,
@@ -13,9 +16,19 @@ from tp_jax.cli.arguments import (
     load,
     named,
 )
+from tp_jax.cli.diagnose import default_folder
+
+if TYPE_CHECKING:
+    from tp_jax.estimation.identification import Identification
 
 MODELS = ("newton", "paper")
-METHODS = ("least-squares", "nelder-mead")
+METHODS = ("least-squares", "nelder-mead", "levenberg-marquardt", "dogleg", "bfgs")
+OBJECTIVES = ("windows", "free-run")
+LOSSES = ("linear", "huber", "soft-l1", "cauchy")
+SAMPLINGS = ("sobol", "latin-hypercube")
+"""As in `tp_jax.estimation`, which would bring JAX with it; a test holds the two together."""
+
+STARTS = "starts.json"
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -23,6 +36,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "identify",
         help="fit the model's parameters to a campaign",
         description="Multi-start identification of the model's parameters, with their intervals.",
+        epilog=(
+            "With several starts, those that are finished are kept in DIR (./NAME-identification) "
+            "until the command ends; --resume goes on from there."
+        ),
     )
     add_campaign(parser)
     parser.add_argument(
@@ -32,9 +49,40 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="newton: contact torques in balance (default); paper: the equations as printed",
     )
     parser.add_argument(
-        "--method", choices=METHODS, default=METHODS[0], help=f"default {METHODS[0]}"
+        "--method",
+        choices=METHODS,
+        default=METHODS[0],
+        help=f"default {METHODS[0]}; nelder-mead is the paper's, the last three are optimistix's",
+    )
+    parser.add_argument(
+        "--objective",
+        choices=OBJECTIVES,
+        help="windows that grow (default), or whole runs, as nelder-mead takes them (17)",
+    )
+    parser.add_argument(
+        "--loss", choices=LOSSES, default=LOSSES[0], help="of a residual; all but linear are robust"
+    )
+    parser.add_argument(
+        "--noise",
+        choices=("data", "fit"),
+        default="data",
+        help="where its level in each channel is taken from (default data)",
     )
     parser.add_argument("--starts", metavar="N", type=count, help="number of starts")
+    parser.add_argument(
+        "--sampling",
+        choices=SAMPLINGS,
+        default=SAMPLINGS[0],
+        help=f"how starts are spread over the bounds (default {SAMPLINGS[0]})",
+    )
+    parser.add_argument(
+        "--raw-starts",
+        action="store_true",
+        help="begin at the drawn points themselves, without help of the data",
+    )
+    parser.add_argument(
+        "--iterations", metavar="N", type=count, help="of nelder-mead, for each start (50)"
+    )
     parser.add_argument(
         "--fix",
         metavar="NAME=V",
@@ -51,10 +99,21 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         help="keep a parameter between two values (repeatable)",
     )
+    parser.add_argument(
+        "--out", metavar="DIR", help="keep the starts there, and figures of them (needs matplotlib)"
+    )
+    parser.add_argument("--resume", action="store_true", help="go on from an interrupted search")
     add_seed(parser)
     add_json(parser)
     add_common(parser)
     parser.set_defaults(run=run)
+
+
+def folder_of(args: argparse.Namespace, name: str) -> Path:
+    """Where the starts of a campaign are kept."""
+    if args.out is not None:
+        return Path(args.out)
+    return Path(f"{default_folder(name).name.removesuffix('diagnosis')}identification")
 
 
 def run(args: argparse.Namespace) -> None:
@@ -66,9 +125,13 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.output import ready, write_json
     from tp_jax.cli.progress import shown
 
-    ready(args.json)
+    folder = folder_of(args, campaign.name)
+    options = _options(args)
+    if "checkpoint" in options:
+        options["checkpoint"] = folder / STARTS
+    figures = _figures() if args.out is not None else None
+    ready(args.json, None if args.out is None else folder / STARTS)
     enable_compilation_cache()
-    starts = {} if args.starts is None else {"starts": args.starts}
     with shown(quiet=args.quiet) as progress:
         result = tp.identify(
             campaign,
@@ -78,9 +141,67 @@ def run(args: argparse.Namespace) -> None:
             bound=bound,
             seed=args.seed,
             progress=progress,
-            **starts,
+            **options,
         )
     if args.json is not None:
         write_json(args.json, result.to_dict())
+    written = [] if figures is None else figures(result, folder)
+    if args.out is None and "checkpoint" in options:
+        _forget(folder)
     if args.json != "-" and not args.quiet:
         print(result.summary())
+        for path in written:
+            print(f"Wrote {path}")
+
+
+def _options(args: argparse.Namespace) -> dict[str, Any]:
+    """What was asked for beyond the usual."""
+    options: dict[str, Any] = {}
+    if args.starts is not None:
+        options["starts"] = args.starts
+    if args.objective is not None:
+        options["objective"] = args.objective
+    if args.iterations is not None:
+        options["iterations"] = args.iterations
+    for name, usual in (("loss", LOSSES[0]), ("noise", "data"), ("sampling", SAMPLINGS[0])):
+        if getattr(args, name) != usual:
+            options[name] = getattr(args, name)
+    for name in ("raw_starts", "resume"):
+        if getattr(args, name):
+            options[name] = True
+    if args.resume or args.out is not None or (args.starts or 1) > 1:
+        options["checkpoint"] = True  # its path follows
+    return options
+
+
+def _figures():
+    """Draws the starts into a folder; told before the work where there is nothing to draw with."""
+    from tp_jax.cli.output import replaced
+    from tp_jax.errors import InputError
+    from tp_jax.report import style
+
+    if not style.available():
+        raise InputError(
+            "The figures of --out need matplotlib, which is not installed: pip install "
+            "'tp-jax[plots]', or leave --out out."
+        )
+
+    def draw(result: "Identification", folder: Path) -> list[Path]:
+        from tp_jax.report.starts import FIGURES
+
+        written = []
+        for name, figure in FIGURES.items():
+            path = folder / f"{name}.png"
+            with replaced(path) as part:
+                style.save(figure(result), part)
+            written.append(path)
+        return written
+
+    return draw
+
+
+def _forget(folder: Path) -> None:
+    """Takes away the finished search's file, and its folder where nothing else is in it."""
+    (folder / STARTS).unlink(missing_ok=True)
+    with contextlib.suppress(OSError):
+        folder.rmdir()

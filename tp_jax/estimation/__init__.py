@@ -1,13 +1,22 @@
 """Estimation: recordings in windows, fitted by least squares with the window states eliminated.
 
 layout, program, windows, problem    what is estimated, and its one compiled linearisation
-elimination, least_squares           Gauss-Newton over unknowns and window states
 start, baseline                      a start from the data, windows that grow
-blocks, intervals                    scatter of blocks, intervals
-free_objective, nelder_mead          the paper's objective and its method
+weak_form                            a better start: no derivatives of the data (modulating,
+                                     compensated)
+elimination, least_squares           Gauss-Newton over unknowns and window states together
+variable_projection                  the same with the states projected out (window_states,
+                                     bounded_step); robust losses (robust)
+optimistix_methods                   Levenberg-Marquardt, Dogleg, BFGS (traced_windows, unbounded)
+blocks, intervals, noise_levels      scatter of blocks, intervals, noise by channel
+free_objective, free_runs            the paper's objective (17), one set of numbers or many
+simplex, nelder_mead                 the paper's method, for optimistix; nelder_mead_batch,
+                                     free_run_search: many at once
+starts, ladder, multistart           from where, over which horizons, who met whom (optima, outcome)
+success, checkpoint                  how often it works and what it costs; going on after Ctrl-C
 assemble                             a pendulum from the numbers of a fit
-identify                             all of it for a user
+methods, identify, identification    all of it for a user
 """
 
-from tp_jax.estimation.identify import Identification as Identification
+from tp_jax.estimation.identification import Identification as Identification
 from tp_jax.estimation.identify import identify as identify

@@ -10,9 +10,13 @@ from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.windows import Prepared
 from tp_jax.model.drive import PiecewiseCubicDrive
 from tp_jax.recordings import Recording
+from tp_jax.recordings.gaps import stretches
 from tp_jax.simulation.sweep import sweep
 
 AT_REST = 4.0  # standard errors: a first reading within them of rest is rest
+SLOW = 0.05  # of the largest rate: a decay that begins no faster was let go
+FIRST_SAMPLES = 4  # that the state at the beginning is read from
+POWERS = (0, 2)  # of time, in a motion that begins at rest
 STEPS = 60  # per sample: numbers that need more are too stiff to be anybody's
 
 
@@ -65,12 +69,24 @@ class FreeRuns:
 def first_state(data: Prepared, recording: Recording) -> np.ndarray:
     """State (4,) at the first sample, as read: rest, unless the readings say otherwise.
 
-    A decay is let go from anywhere, but from rest.
+    A decay is let go from anywhere, but from rest. Its angles are then those of the curve without
+    a rate at its beginning: a polynomial that has one takes some of the bend for it, and so may
+    have a small one by mistake.
     """
     state, sd = data.smooth[0].copy(), data.smooth_sd[0]
-    still = np.abs(state) < AT_REST * sd
-    known = slice(0 if recording.forced else 2, None)
-    state[known] = np.where(still[known], 0.0, state[known])
+    slow = np.abs(state) < AT_REST * sd
+    if recording.forced:
+        return np.where(slow, 0.0, state)
+    slow |= np.abs(state) < SLOW * np.abs(data.smooth).max(axis=0)
+    part = stretches(data.t)[0]
+    n = min(FIRST_SAMPLES, part.stop - part.start)
+    since = data.t[:n] - data.t[0]
+    for c in range(2):
+        if slow[2 + c]:
+            state[2 + c] = 0.0
+            if n > len(POWERS):
+                bent = (since / since[-1])[:, None] ** np.array(POWERS)
+                state[c] = np.linalg.lstsq(bent, data.y[:n, c], rcond=None)[0][0]
     return state
 
 

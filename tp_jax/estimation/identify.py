@@ -3,65 +3,41 @@
 import dataclasses
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
-from scipy import stats
 
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
-from tp_jax.estimation.intervals import intervals
-from tp_jax.estimation.layout import Values
+from tp_jax.estimation import methods
+from tp_jax.estimation.baseline import Setting, prepare_campaign
+from tp_jax.estimation.checkpoint import Checkpoint
+from tp_jax.estimation.free_run_search import ITERATIONS
+from tp_jax.estimation.free_run_trials import search_free_runs
+from tp_jax.estimation.identification import (
+    Identification,
+    parameter_table,
+    start_warnings,
+    warnings,
+)
+from tp_jax.estimation.ladder import Ladder, Objective
 from tp_jax.estimation.least_squares import Fit
-from tp_jax.estimation.least_squares import fit as fit_windows
-from tp_jax.estimation.nelder_mead import free_run_search
+from tp_jax.estimation.multistart import Trial, search
+from tp_jax.estimation.noise_levels import fitted_noise, with_noise
+from tp_jax.estimation.robust import LOSSES, Loss
+from tp_jax.estimation.starts import Sampling
+from tp_jax.estimation.starts import starts as made_starts
+from tp_jax.estimation.success import success
 from tp_jax.model.parameters import BASE
 from tp_jax.recordings import Campaign
 
 SCHEMA = "tp-jax/identify/1"
 REACHED = 1.0  # chi-square within which a start counts as having reached the best
-SPREAD = np.log(1.5)  # standard deviation of further starts around the data's own, in logarithms
+NOISE_ROUNDS = 4
+SETTLED = 0.01  # relative change of a noise level that is not worth another round
 
 Progress = Callable[[str, float | None], None]
-
-
-@dataclasses.dataclass(frozen=True)
-class Identification:
-    """What `identify` found; `to_dict` is the result as plain numbers."""
-
-    result: dict[str, Any]
-    fit: Fit
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """Value of each parameter by name [SI units]."""
-        return {n: p["value"] for n, p in self.result["parameters"].items()}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema tp-jax/identify/1."""
-        return self.result
-
-    def summary(self) -> str:
-        """A table for a terminal."""
-        r = self.result
-        lines = [
-            f"{r['campaign']}: {r['model']} model, {r['method']}, chi2/dof {r['chi2_dof']:.4g}"
-        ]
-        lines.append(f"{'':8}{'value':>12}  {'95 % interval':<26} unit")
-        for name, p in r["parameters"].items():
-            low, high = p["ci95"] or (None, None)
-            span = (
-                "fixed"
-                if p["ci95"] is None
-                else (f"{low:.4g} to {high:.4g}" if high is not None else "at its bound")
-            )
-            mark = "" if p["identifiable"] else "  not identifiable"
-            lines.append(f"{name:8}{p['value']:12.5g}  {span:<26} {p['unit']}{mark}")
-        s = r["success"]
-        lines.append(f"{s['reached']} of {s['of']} starts reached the best.")
-        lines += [f"Warning: {w['text']}" for w in r["warnings"]]
-        return "\n".join(lines)
 
 
 def identify(
@@ -74,170 +50,172 @@ def identify(
     bound: Mapping[str, tuple[float, float]] | None = None,
     seed: int = 0,
     progress: Progress | None = None,
+    objective: Objective | None = None,
+    loss: Loss = "linear",
+    noise: Literal["data", "fit"] = "data",
+    sampling: Sampling = "sobol",
+    raw_starts: bool = False,
+    iterations: int = ITERATIONS,
+    checkpoint: str | Path | None = None,
+    resume: bool = False,
 ) -> Identification:
     """Fits the baseline's parameters to the recordings that are not held out.
 
     Args:
         campaign: see `load_campaign`.
         model: "newton", or "paper" for the equations as printed.
-        method: "least-squares" on growing windows, or "nelder-mead" on the free run (17).
-        starts: the first is the data's own (see `estimation.start`), the others are drawn around
-            it, half as large to twice as large, say.
+        method: "least-squares" (Gauss-Newton with the windows' states projected out),
+            "levenberg-marquardt", "dogleg" or "bfgs" (optimistix), or "nelder-mead".
+        starts: the first is the data's own, the others are drawn over the bounds (see `starts`).
         fix: parameters to hold, by name, SI units.
         bound: (lower, upper) by name, SI units.
         seed: of the starts.
         progress: called with a stage's name and the part of it that is done.
+        objective: "windows" that grow, each with a state of its own, or "free-run": the windows
+            are whole recordings; with nelder-mead (17) exactly, for which it is the only one.
+        loss: of a residual: "linear" for least squares, or "huber", "soft-l1", "cauchy".
+        noise: its level by channel from the "data", or estimated with the "fit".
+        sampling: "sobol" or "latin-hypercube".
+        raw_starts: start at the points as drawn, not where the weak form of the equations takes
+            them (see `weak_form`).
+        iterations: of nelder-mead.
+        checkpoint: file in which finished starts are kept.
+        resume: go on from that file.
 
     Raises:
-        InputError: an unknown parameter or method, or bounds in the wrong order.
+        InputError: an unknown parameter or method, bounds in the wrong order, nothing to resume.
+        Interrupted: by Ctrl-C; what is done is in the checkpoint.
     """
     begin = time.perf_counter()
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
-    _checked(fix or {}, bound or {}, method, starts)
-    setting = prepare_campaign(campaign, model=model, fix=dict(fix or {}), bound=dict(bound or {}))
-    base = initial_values(setting)
-    rng = np.random.default_rng(seed)
-    tried: list[Fit] = []
-    records = []
-    for i in range(starts):
-        start = base if i == 0 else _jittered(setting, base, rng)
-        report(f"start {i + 1} of {starts}", i / starts)
-        fit, record = _one(setting, start, method, report)
-        tried.append(fit)
-        records.append(record)
-    best = min(tried, key=lambda f: f.cost)
-    reached = sum(f.cost - best.cost <= REACHED for f in tried)
-    objective = records[tried.index(best)]["objective"]
-    low, high = stats.binomtest(reached, starts).proportion_ci(method="wilson")
+    aim = objective or methods.usual_objective(method)
+    _check(fix or {}, bound or {}, starts, loss, noise)
+    methods.check(method, aim)
+    setting = prepare_campaign(
+        campaign, model=model, fix=dict(fix or {}), bound=dict(bound or {}), effects=()
+    )
+    kept = _checkpoint(checkpoint, resume, setting, {
+        "method": method, "objective": aim, "loss": loss, "seed": seed, "sampling": sampling,
+        "raw starts": raw_starts, "iterations": iterations if method == "nelder-mead" else None,
+        "number of starts": None if sampling == "sobol" else starts,
+    })  # fmt: skip
+    report("a start from the data", None)
+    begun = made_starts(setting, starts, seed=seed, sampling=sampling, raw=raw_starts)
+    ladder = Ladder(setting, methods.fitter(method, setting, aim), objective=aim, loss=loss)
+    if method == methods.NELDER_MEAD:
+        trials = search_free_runs(
+            begun, ladder, checkpoint=kept, progress=report, max_iterations=iterations
+        )
+    else:
+        trials = search(begun, ladder, checkpoint=kept, progress=report)
+    report("intervals", None)
+    best = min(range(starts), key=lambda i: trials[i].end.cost)
+    if not np.isfinite(trials[best].end.cost):
+        raise InputError(
+            "No start came to anything: the motion could not be integrated from any of them; "
+            "loosen --fix and --bound, or try more starts."
+        )
+    fit = _rebuilt(ladder, trials[best])
+    if noise == "fit":
+        fit, setting = _with_fitted_noise(ladder, fit)
+    lowest = trials[best].end.cost
+    reached = [t.end.cost - lowest <= REACHED for t in trials]
+    found = success(reached, [t.alone for t in trials])
     result = {
         "schema": SCHEMA,
         "campaign": campaign.name,
         "model": model,
         "method": method,
-        "parameters": _parameters(best, setting),
-        "objective": objective,
-        "chi2_dof": best.chi2_dof,
+        "objective_kind": aim,
+        "parameters": parameter_table(fit, setting),
+        "objective": trials[best].end.objective,
+        "chi2_dof": fit.chi2_dof,
         "noise_floor": dict(setting.noise),
-        "starts": records,
-        "success": {"reached": int(reached), "of": starts, "ci95": [float(low), float(high)]},
-        "warnings": _warnings(best, setting),
+        "starts": [t.record(i) for i, t in enumerate(trials)],
+        "success": found.to_dict(),
+        "warnings": [*warnings(fit, setting), *start_warnings(trials, reached)],
         "provenance": {
             "version": __version__, "seed": seed, "data_sha256": campaign.data_sha256,
-            "eps": setting.eps, "horizon_s": best.problem.windows.horizon,
+            "eps": setting.eps, "horizon_s": fit.problem.windows.horizon, "loss": loss,
+            "noise": noise, "sampling": sampling, "raw_starts": raw_starts,
             "wall_s": round(time.perf_counter() - begin, 2),
         },
     }  # fmt: skip
-    return Identification(result, best)
+    return Identification(result, fit, tuple(trials))
 
 
-def _one(setting: Setting, start: Values, method: str, report: Progress) -> tuple[Fit, dict]:
-    """One start to its end. The objective is chi-square of the windows, or y of (17) [rad^2]."""
-    if method == "nelder-mead":
-        values, y, evaluations, message = free_run_search(setting, start, report)
-        problem = setting.problem(setting.horizons[-1])
-        # Window states only: what the found numbers are worth, and how well they are known.
-        states = fit_windows(problem, values, ()).states
-        fit = fit_windows(problem, values, setting.unknowns(), states, max_iterations=0)
-        fit.converged = "success" in message.lower()
-        return fit, {
-            "objective": y if np.isfinite(y) else None, "converged": fit.converged,
-            "evaluations": evaluations, "message": message,
-        }  # fmt: skip
-    fit = grow(setting, start, setting.unknowns())
-    return fit, {
-        "objective": fit.cost if np.isfinite(fit.cost) else None, "converged": fit.converged,
-        "evaluations": fit.evaluations, "message": fit.message,
+def _rebuilt(ladder: Ladder, trial: Trial) -> Fit:
+    """The fit an outcome is of, the same whether it was just found or read from a file."""
+    values = trial.end.values(trial.start.values, ladder.setting.unknowns())
+    fit = ladder.as_it_is(values, trial.end.states)
+    fit.converged, fit.message = trial.end.converged, trial.end.message
+    fit.evaluations = trial.alone
+    return fit
+
+
+def _with_fitted_noise(ladder: Ladder, fit: Fit) -> tuple[Fit, Setting]:
+    """Noise levels and parameters in turn, until the levels stay."""
+    for _ in range(NOISE_ROUNDS):
+        before = ladder.setting.noise
+        noise = fitted_noise(fit)
+        setting = with_noise(ladder.setting, noise)
+        ladder = ladder.of(setting)
+        fit = ladder.refine(fit)
+        if all(abs(noise[n] / before[n] - 1.0) < SETTLED for n in noise):
+            break
+    return fit, ladder.setting
+
+
+def _checkpoint(
+    path: str | Path | None, resume: bool, setting: Setting, settings: dict[str, Any]
+) -> Checkpoint | None:
+    if path is None:
+        if resume:
+            raise InputError("To resume, the file with the finished starts must be named.")
+        return None
+    campaign = setting.campaign
+    known = {
+        n: None if value is None else dataclasses.astuple(value)
+        for n, value in (("B2", campaign.B2), ("k", campaign.k))
+    }
+    data = {
+        "data": campaign.data_sha256, "known": known,
+        "recordings": [
+            [r.label, r.forced, r.omega, r.start, r.held_out, r.measured_drive]
+            for r in setting.recordings
+        ],
+        "model": setting.model, "fixed parameters": setting.fixed, "bounds": setting.bounds,
+        "version": __version__,
     }  # fmt: skip
+    kept = Checkpoint(Path(path), data | settings)
+    if resume:
+        kept.resume()
+    return kept
 
 
-def _checked(fix: Mapping, bound: Mapping, method: str, starts: int) -> None:
-    names = [p.name for p in BASE]
+def _check(fix: Mapping, bound: Mapping, starts: int, loss: str, noise: str) -> None:
+    specs = {p.name: p for p in BASE}
     for name in (*fix, *bound):
-        if name not in names:
-            raise InputError(f"There is no parameter {name!r}, choose one of: {', '.join(names)}.")
+        if name not in specs:
+            raise InputError(f"There is no parameter {name!r}, choose one of: {', '.join(specs)}.")
+    for name, value in fix.items():
+        if name in bound:
+            raise InputError(f"Parameter {name} is fixed and bounded; one of the two must go.")
+        if value < 0.0 or (value == 0.0 and specs[name].transform == "log"):
+            least = "above zero" if specs[name].transform == "log" else "zero or more"
+            raise InputError(f"Parameter {name} must be {least}, but is fixed at {value:g}.")
     for name, (low, high) in bound.items():
         if not low < high:
             raise InputError(f"The bounds of {name} must rise, but are {low:g} and {high:g}.")
-    if method not in ("least-squares", "nelder-mead"):
-        raise InputError(f"There is no method {method!r}, choose least-squares or nelder-mead.")
+        if low < 0.0:
+            raise InputError(f"Parameter {name} must not be negative, but its bound is {low:g}.")
     if starts < 1:
         raise InputError(f"There must be one start or more, but {starts} were asked for.")
-
-
-def _jittered(setting: Setting, base: Values, rng: np.random.Generator) -> Values:
-    changes = {}
-    for u in setting.unknowns():
-        if u.name in ("phase", "zero1", "level"):
-            continue
-        changes[u.name] = base.table[base.layout.index[u.name]] * np.exp(SPREAD * rng.normal())
-    return base.replace(changes)
-
-
-def _parameters(fit: Fit, setting: Setting) -> dict[str, dict]:
-    found = intervals(fit, setting)
-    out = {}
-    for p in BASE:
-        if p.name in found:
-            e = found[p.name]
-            out[p.name] = {k: e[k] for k in ("value", "unit", "ci95", "identifiable")}
-        elif p.name in setting.fixed:
-            out[p.name] = {
-                "value": setting.fixed[p.name], "unit": p.unit, "ci95": None, "identifiable": True,
-            }  # fmt: skip
-        elif p.name == "Ts2" and setting.rider:
-            out["Ts2"] = {"value": 0.0, "unit": p.unit, "ci95": None, "identifiable": False}
-    for name, e in found.items():
-        if name not in out:
-            out[name] = {k: e[k] for k in ("value", "unit", "ci95", "identifiable")}
-    return out
-
-
-def _warnings(fit: Fit, setting: Setting) -> list[dict]:
-    warnings = []
-    torques = [p.name for p in BASE if p.per_inertia]
-    if setting.campaign.B1 is None and "B1" not in setting.fixed:
-        warnings.append(_free_scale(torques, "B1 is not given, so that B1 = 1 was taken"))
-    elif setting.campaign.B1 is None or setting.model == "paper":
-        text = f"the scale rests on B1 = {setting.fixed['B1']:g} kg m^2 alone"
-        warnings.append(_free_scale(torques, text))
-    if setting.rider:
-        warnings.append(
-            {
-                "code": "unidentifiable", "parameters": ["Ts2"],
-                "text": "Ts2 acts only where the rider's velocity is exactly zero, so that it has "
-                "no effect on any motion; it is held at 0.",
-            }
-        )  # fmt: skip
-    loose = [n for n, e in intervals(fit, setting).items() if not e["identifiable"]]
-    loose = [n for n in loose if n in {p.name for p in BASE}]
-    if loose:
-        warnings.append(
-            {
-                "code": "unidentifiable", "parameters": loose,
-                "text": f"These recordings do not tell {', '.join(loose)}.",
-            }
-        )  # fmt: skip
-    bound = [u.name for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if b]
-    if bound:
-        warnings.append(
-            {"code": "at_bound", "parameters": bound, "text": f"At a bound: {', '.join(bound)}."}
+    if loss not in LOSSES:
+        raise InputError(f"There is no loss {loss!r}, choose one of: {', '.join(LOSSES)}.")
+    if noise not in ("data", "fit"):
+        raise InputError(f"Noise is taken from the data or the fit, but not from {noise!r}.")
+    if noise == "fit" and loss != "linear":
+        raise InputError(
+            f"Under the loss {loss} the residuals do not tell the noise; take it from the data."
         )
-    if fit.chi2_dof > 1.2:
-        warnings.append(
-            {
-                "code": "misfit", "parameters": [],
-                "text": f"The misfit is {fit.chi2_dof:.3g} times the noise: the model lacks "
-                "something; run `tp-jax diagnose`.",
-            }
-        )  # fmt: skip
-    if not fit.converged:
-        warnings.append({"code": "not_converged", "parameters": [], "text": fit.message})
-    return warnings
-
-
-def _free_scale(torques: list[str], reason: str) -> dict:
-    return {
-        "code": "free_scale", "parameters": torques,
-        "text": f"No torque is measured and {reason}: {', '.join(torques)} are known only "
-        "relative to B1.",
-    }  # fmt: skip

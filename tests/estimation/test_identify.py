@@ -1,0 +1,154 @@
+"""`identify` finds what made the recordings, from anywhere, and says how sure that is."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+import tp_jax as tp
+from tests.reference import BENCH
+from tests.rigs import synthetic_campaign
+from tp_jax.cli.output import json_text
+from tp_jax.estimation import multistart
+from tp_jax.estimation.methods import METHODS
+
+FIX = {"T0": 4.0}  # three seconds do not tell it
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    return synthetic_campaign()
+
+
+@pytest.fixture(scope="module")
+def found(campaign):
+    return tp.identify(campaign, starts=5, fix=FIX)
+
+
+def test_the_rig_is_found(found):
+    for name in ("k", "A", "B2", "c1", "M1"):
+        p = found.to_dict()["parameters"][name]
+        assert p["value"] == pytest.approx(BENCH[name], rel=0.03), name
+        assert p["identifiable"], name
+        low, high = p["ci95"]
+        assert low < p["value"] < high
+    assert found.result["chi2_dof"] == pytest.approx(1.0, abs=0.1)
+    assert found.parameters["T0"] == 4.0
+
+
+def test_the_result_is_as_agreed(found):
+    result = json.loads(json_text(found.to_dict()))
+    assert result["schema"] == "tp-jax/identify/1"
+    assert {
+        "model", "method", "parameters", "objective", "chi2_dof", "noise_floor", "starts",
+        "success", "warnings", "provenance",
+    } <= set(result)  # fmt: skip
+    assert len(result["starts"]) == 5
+    for start in result["starts"]:
+        assert set(start) == {"objective", "converged", "evaluations", "message"}
+        assert isinstance(start["evaluations"], int)
+    success = result["success"]
+    assert success["of"] == 5
+    assert success["reached"] == sum(
+        s["objective"] - result["objective"] <= 1.0 for s in result["starts"]
+    )
+    assert success["ci95"][0] < success["reached"] / 5 <= success["ci95"][1]
+    assert success["expected_evaluations"] > 0.0
+    assert result["noise_floor"]["phi1"] == pytest.approx(1e-3, rel=0.1)
+    assert result["parameters"]["B1"] == {
+        "value": BENCH["B1"], "unit": "kg m^2", "ci95": None, "identifiable": True,
+    }  # fmt: skip
+    assert ["Ts2"] in [w["parameters"] for w in result["warnings"]]
+
+
+def test_far_starts_find_it_too(found):
+    assert found.result["success"]["reached"] >= 4
+    assert "of 5 starts reached the best" in found.summary()
+
+
+def test_same_seed_same_result(campaign, found):
+    again = tp.identify(campaign, starts=5, fix=FIX)
+    for result in (again.result, found.result):
+        assert result["provenance"].pop("wall_s", 0.0) >= 0.0
+    assert json_text(again.to_dict()) == json_text(found.to_dict())
+
+
+def test_going_on_gives_the_same(campaign, found, tmp_path, monkeypatch):
+    path = tmp_path / "starts.json"
+    near = multistart._near
+    calls = []
+
+    def stopping(*args):
+        calls.append(args)
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        return near(*args)
+
+    monkeypatch.setattr(multistart, "_near", stopping)
+    with pytest.raises(multistart.Interrupted, match="after 4 of 5 starts"):
+        tp.identify(campaign, starts=5, fix=FIX, checkpoint=path)
+    with pytest.raises(tp.InputError, match="differs in fixed parameters"):
+        tp.identify(campaign, starts=5, checkpoint=path, resume=True)
+    with pytest.raises(tp.InputError, match="differs in seed"):
+        tp.identify(campaign, starts=5, fix=FIX, seed=1, checkpoint=path, resume=True)
+    result = tp.identify(campaign, starts=5, fix=FIX, checkpoint=path, resume=True).result
+    assert len(calls) == 6
+    for each in (result, found.result):
+        each["provenance"].pop("wall_s", None)
+    assert json_text(result) == json_text(found.result)
+
+
+def test_noise_with_the_fit(campaign, found):
+    # one channel noisier than smoothness tells: every other sample moved the same way
+    soiled = [
+        dataclasses.replace(r, phi1=r.phi1 + 1.5e-3 * np.sign(np.sin(2e2 * r.t)))
+        for r in campaign.recordings
+    ]
+    noisy = dataclasses.replace(campaign, recordings=tuple(soiled))
+    plain = tp.identify(noisy, fix=FIX)
+    fitted = tp.identify(noisy, fix=FIX, noise="fit")
+    assert plain.result["chi2_dof"] > 1.05 or plain.result["noise_floor"]["phi1"] > 1.5e-3
+    assert fitted.result["chi2_dof"] == pytest.approx(1.0, abs=0.02)
+    assert fitted.result["noise_floor"]["phi1"] == pytest.approx(1.8e-3, rel=0.1)
+    assert fitted.result["noise_floor"]["phi2"] == pytest.approx(1e-3, rel=0.1)
+
+
+def test_nelder_mead_goes_down(campaign):
+    result = tp.identify(campaign, method="nelder-mead", starts=2, iterations=4, fix=FIX).result
+    assert result["objective_kind"] == "free-run"
+    assert 0.0 < result["objective"] < 1e-2
+    assert result["starts"][0]["evaluations"] > 10
+    assert not result["starts"][0]["converged"]
+    assert "not_converged" in [w["code"] for w in result["warnings"]]
+
+
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        ({"fix": {"x": 1.0}}, "no parameter 'x'"),
+        ({"fix": {"k": 0.0}}, "above zero"),
+        ({"fix": {"M1": -1.0}}, "zero or more"),
+        ({"fix": {"k": 1.0}, "bound": {"k": (0.1, 2.0)}}, "fixed and bounded"),
+        ({"bound": {"k": (2.0, 1.0)}}, "must rise"),
+        ({"bound": {"Tst": (-1.0, 1.0)}}, "must not be negative"),
+        ({"method": "magic"}, "no method 'magic'"),
+        ({"objective": "beauty"}, "no objective"),
+        ({"method": "nelder-mead", "objective": "windows"}, "choose objective free-run"),
+        ({"starts": 0}, "one start or more"),
+        ({"loss": "l2"}, "no loss"),
+        ({"noise": "none"}, "from the data or the fit"),
+        ({"noise": "fit", "loss": "huber"}, "from the data"),
+        ({"sampling": "grid"}, "no sampling"),
+        ({"resume": True}, "must be named"),
+    ],
+)
+def test_what_cannot_be_is_told_in_a_sentence(campaign, options, part):
+    with pytest.raises(tp.InputError, match=part) as told:
+        tp.identify(campaign, **options)
+    assert str(told.value).endswith(".")
+
+
+def test_methods_have_names():
+    assert METHODS[:2] == ("least-squares", "nelder-mead")
+    assert set(METHODS[2:]) == {"levenberg-marquardt", "dogleg", "bfgs"}

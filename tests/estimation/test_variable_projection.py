@@ -1,0 +1,153 @@
+"""Fits with the windows' states projected out end in the same optimum, and sooner."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from tests.rigs import synthetic_campaign
+from tp_jax.estimation import least_squares, variable_projection
+from tp_jax.estimation.baseline import prepare_campaign
+from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.ladder import Ladder, problem_of
+from tp_jax.estimation.problem import spread
+from tp_jax.estimation.weak_form import WeakForm
+from tp_jax.estimation.window_states import costs, in_turn, of_windows, settle
+
+SLOTS = ("k", "A", "M1", "Ts1")
+
+
+@pytest.fixture(scope="module")
+def setting():
+    return prepare_campaign(synthetic_campaign(), effects=())
+
+
+@pytest.fixture(scope="module")
+def ladder(setting):
+    return Ladder(setting)
+
+
+@pytest.fixture(scope="module")
+def start(setting):
+    return WeakForm(setting).start()
+
+
+@pytest.fixture(scope="module")
+def fit(ladder, start):
+    return ladder.climb(ladder.first(start).values)
+
+
+def test_the_same_optimum_as_all_unknowns_together(setting, fit):
+    joint = least_squares.fit(
+        fit.problem, fit.values, fit.unknowns, fit.states, anchors=setting.anchors()
+    )
+    assert fit.converged, fit.message
+    assert fit.cost <= joint.cost + 1.0
+    sd = np.sqrt(np.diag(np.linalg.inv(joint.information())))
+    off = (fit.values.pick(fit.unknowns) - joint.values.pick(fit.unknowns)) / sd
+    assert np.abs(off).max() < 0.5
+    assert fit.chi2_dof == pytest.approx(1.0, abs=0.15)
+
+
+def test_sooner_than_all_unknowns_together(setting, ladder, start):
+    problem = problem_of(setting, ladder.rungs[-1])
+    values = start.replace({"eps1": setting.eps, "eps2": setting.eps})
+    options = dict(anchors=setting.anchors(), relative=1e-6)
+    mine = variable_projection.fit(problem, values, setting.unknowns(), **options)
+    joint = least_squares.fit(problem, values, setting.unknowns(), **options)
+    assert mine.cost <= joint.cost + 1.0
+    assert mine.evaluations <= joint.evaluations
+
+
+def test_the_gradient_is_zero_there(setting, fit):
+    elim = eliminate(
+        fit.linearisation.r, fit.linearisation.states_jac, spread(fit.linearisation, fit.unknowns)
+    )
+    g = elim.g.sum(axis=0)
+    for a in setting.anchors():
+        i = fit.unknowns.index(a.unknown)
+        value = fit.values.get(a.unknown.name)
+        g[i] += (np.log(value) - a.centre) / a.sd**2 / value
+    free = ~fit.at_bound
+    H = fit.information()[np.ix_(free, free)]
+    assert float(g[free] @ np.linalg.solve(H, g[free])) < 0.1
+
+
+def test_bounds_hold(setting, ladder, fit):
+    k = fit.values.get("k")
+    bounds = {"k": (1.02 * k, 2.0 * k)}
+    held = variable_projection.fit(
+        problem_of(setting, ladder.rungs[0]), fit.values, setting.unknowns(), bounds=bounds,
+        anchors=setting.anchors(), max_iterations=4,
+    )  # fmt: skip
+    assert held.values.get("k") == 1.02 * k
+    assert held.at_bound[[u.name for u in held.unknowns].index("k")]
+
+
+def test_a_start_that_cannot_be_integrated_says_so(setting, ladder, start, monkeypatch):
+    problem = problem_of(setting, ladder.rungs[0])
+    lin = problem.linearise(start, problem.initial_states(start), SLOTS)
+    lin.complete[0] = False
+    monkeypatch.setattr(type(problem), "linearise", lambda *a: lin)
+    fit = variable_projection.fit(problem, start, ())
+    assert not fit.converged
+    assert fit.cost == np.inf
+    assert "could not be integrated" in fit.message
+
+
+# Window states -------------------------------------------------------------------------------
+
+
+def test_settled_windows_promise_nothing(setting, ladder, fit):
+    problem = problem_of(setting, ladder.rungs[0])
+    states = problem.initial_states(fit.values)
+    lin = problem.linearise(fit.values, states, SLOTS)
+    before = costs(lin).copy()
+    found = settle(problem, fit.values, states, lin, SLOTS)
+    again = problem.linearise(fit.values, found.states, SLOTS)
+    np.testing.assert_allclose(costs(found.lin), costs(again), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(found.lin.slots_jac, again.slots_jac, rtol=1e-5, atol=1e-3)
+    assert (costs(again) <= before + 1e-9).all()
+    assert costs(again).sum() < 0.9 * before.sum()
+    assert 0.0 < found.passes < 8.0
+    assert settle(problem, fit.values, found.states, again, SLOTS).passes < 1.5
+
+
+def test_windows_of_recordings_take_turns(setting):
+    windows = setting.problem(setting.horizons[0]).windows
+    which = in_turn(windows, np.arange(windows.n))
+    assert sorted(which) == list(range(windows.n))
+    recording = windows.recording[which]
+    assert (np.diff(recording[: 3 * 10]) != 0).all()
+
+
+def test_some_windows_are_as_among_all(setting, fit):
+    problem = setting.problem(setting.horizons[0])
+    states = problem.initial_states(fit.values)
+    lin = problem.linearise(fit.values, states, SLOTS)
+    which = np.array([5, 1, 30, 12])
+    part = of_windows(problem, which).linearise(fit.values, states[which], SLOTS)
+    np.testing.assert_allclose(costs(part), costs(lin)[which], rtol=1e-6)
+
+
+# Robust losses -------------------------------------------------------------------------------
+
+
+def test_outliers_move_little_under_a_robust_loss(setting, ladder, fit):
+    rng = np.random.default_rng(0)
+    prepared = []
+    for p in setting.prepared:
+        y = p.y.copy()
+        hit = rng.random(y.shape) < 0.01
+        y[hit] += rng.choice([-0.05, 0.05], hit.sum())
+        prepared.append(dataclasses.replace(p, y=y))
+    soiled = dataclasses.replace(setting, prepared=tuple(prepared))
+    sd = np.sqrt(np.diag(np.linalg.inv(fit.information())))
+    off = {}
+    for loss in ("linear", "huber", "cauchy"):
+        found = ladder.of(soiled) if loss == "linear" else Ladder(soiled, loss=loss)
+        x = found.refine(fit).values.pick(fit.unknowns)
+        off[loss] = np.abs((x - fit.values.pick(fit.unknowns)) / sd)[:6]
+    assert off["linear"].max() > 4.0
+    assert off["huber"].max() < 0.5 * off["linear"].max()
+    assert off["cauchy"].max() < 2.0
