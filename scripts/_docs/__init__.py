@@ -1,0 +1,1 @@
+"""What mkdocs.yml needs beside its themes: pages and pictures made from the package itself."""
