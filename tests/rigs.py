@@ -47,8 +47,8 @@ def choose(windows: Windows, which) -> Windows:
 
 @functools.cache
 def whole_layout() -> Layout:
-    """All effects without states of their own: one program for all tests that use it."""
-    return Layout("double", tuple(e for e in catalogue().values() if e.n_states == 0))
+    """The whole catalogue: the same programs for all tests that use it."""
+    return Layout("double", tuple(catalogue().values()))
 
 
 def bench_problem(horizon: float, which=None) -> Problem:

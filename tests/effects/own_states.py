@@ -1,7 +1,6 @@
 """What the tests of effects with a memory share: the bench with one of them, and its runs."""
 
 import functools
-import importlib
 from collections.abc import Mapping
 
 import equinox as eqx
@@ -27,11 +26,8 @@ TS = np.arange(501) / 250.0
 
 
 def effect(id: str) -> Effect:
-    """An effect by its id, whether it is in the catalogue yet or not."""
-    if id in catalogue():
-        return catalogue()[id]
-    module = importlib.import_module(f"tp_jax.effects.pending.{id}")
-    return getattr(module, id.title().replace("_", ""))()
+    """An effect by its id."""
+    return catalogue()[id]
 
 
 def middle(id: str) -> dict[str, float]:

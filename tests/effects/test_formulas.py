@@ -7,13 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from tests.effects.own_states import IDS
 from tests.reference import BENCH, FORMULAS, instant, readings, reference, right_hand_side
 from tests.rigs import bench_problem, bench_values, numbers, truth
 from tp_jax.effects import Applied, Effect, catalogue, register, unregister
 from tp_jax.model import presets
 from tp_jax.simulation import simulate
 
-FREE = [e for e in catalogue().values() if e.n_states == 0]  # without states of their own
+FREE = [e for e in catalogue().values() if e.id not in IDS]  # those with a memory: own_states
 every_effect = pytest.mark.parametrize("effect", FREE, ids=[e.id for e in FREE])
 DRIFT = (1.0, 0.5)  # of s: middle [s], rate [1/s]
 P = BENCH | dict(middle=DRIFT[0], drift=DRIFT[1])

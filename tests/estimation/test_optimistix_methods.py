@@ -11,7 +11,6 @@ from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.ladder import Ladder, problem_of
 from tp_jax.estimation.least_squares import parameter
 from tp_jax.estimation.problem import columns, spread
-from tp_jax.estimation.program import groups
 from tp_jax.estimation.traced_windows import evaluate, traced
 from tp_jax.estimation.weak_form import WeakForm
 
@@ -61,8 +60,9 @@ def test_residuals_and_slopes_are_the_windows(setting, problem, reference):
         setting.anchors(), len(problem.blocks()) + 1,
     )  # fmt: skip
     index = [problem.layout.index[s] for s in slots]
-    hooks = groups(problem.layout, reference.values.table, index)
-    r, J = evaluate(problem.layout, problem.tolerances, hooks, "linear", made.at, made)
+    programs = problem.programs
+    ids = programs.cover(programs.active(reference.values.table), programs.asked(index))
+    r, J = evaluate(problem.layout, problem.tolerances, ids, "linear", made.at, made)
     r, J = np.asarray(r), np.asarray(J)
     assert (r**2).sum() == pytest.approx(lin.cost(), rel=1e-6)
     # states follow: what is left of the Jacobian is what elimination leaves
@@ -75,6 +75,6 @@ def test_residuals_and_slopes_are_the_windows(setting, problem, reference):
     step = np.zeros(len(unknowns))
     step[1] = np.log(1.001)
     other, _ = evaluate(
-        problem.layout, problem.tolerances, hooks, "linear", made.at + jnp.asarray(step), made
+        problem.layout, problem.tolerances, ids, "linear", made.at + jnp.asarray(step), made
     )
     assert float((np.asarray(other) ** 2).sum()) == pytest.approx(moved.cost(), rel=1e-6)

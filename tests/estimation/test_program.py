@@ -1,17 +1,19 @@
 """Few compiled programs serve the baseline and every effect."""
 
 from tests.rigs import bench_problem, bench_values, whole_layout
-from tp_jax.effects.base import HOOKS
+from tp_jax.effects import catalogue
 from tp_jax.estimation import program
 from tp_jax.estimation.problem import DIRECTIONS
 
 
 def test_a_trace_for_each_group_serves_all():
     layout, values = whole_layout(), bench_values()
-    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes(frozenset(HOOKS)))
+    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes(frozenset(catalogue())))
     assert len(amplitudes) > 2 * DIRECTIONS
     problem = bench_problem(0.25, (0, 1))
-    for slot in ("k", "contact_stribeck.a", "spring_asymmetry.a"):
+    for slot in (
+        "k", "contact_stribeck.a", "spring_asymmetry.a", "column_cable.a", "base_compliance.a",
+    ):  # fmt: skip
         problem.linearise(values, problem.initial_states(), (slot,))
     program.TRACES, kept = [], program.TRACES
     try:
@@ -32,7 +34,7 @@ def test_a_trace_for_each_group_serves_all():
 def test_slots_beyond_a_portion_are_the_same_as_alone():
     problem, values = bench_problem(0.25, (1, 9)), bench_values()
     layout = whole_layout()
-    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes(frozenset(HOOKS)))
+    amplitudes = tuple(layout.parameters[i].name for i in layout.amplitudes(frozenset(catalogue())))
     states = problem.initial_states()
     every = problem.linearise(values, states, amplitudes).slots_jac
     last = problem.linearise(values, states, amplitudes[-1:]).slots_jac

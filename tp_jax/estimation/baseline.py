@@ -6,6 +6,7 @@ grow.
 """
 
 import dataclasses
+import functools
 import logging
 from collections.abc import Callable, Sequence
 
@@ -15,6 +16,7 @@ from tp_jax.effects import Effect, catalogue
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.least_squares import Anchor, Fit, fit
 from tp_jax.estimation.problem import Problem, sample_capacity
+from tp_jax.estimation.program import Programs
 from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.windows import Prepared, Windows, cut, prepare
 from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS
@@ -64,6 +66,11 @@ class Setting:
     bounds: dict[str, tuple[float, float]]
     width: int
 
+    @functools.cached_property
+    def programs(self) -> Programs:
+        """Shared by all problems of the campaign."""
+        return Programs(self.layout)
+
     @property
     def fitted(self) -> list[int]:
         """Recordings that may be fitted."""
@@ -96,7 +103,10 @@ class Setting:
         windows = dataclasses.replace(windows, recording=np.array(which)[windows.recording])
         # Windows longer than planned for take a larger block, and with it another compilation.
         capacity = max(self.capacity, sample_capacity(windows.count.tolist()))
-        return Problem(self.layout, self.prepared, windows, self.sigma, capacity, self.fixed["B1"])
+        return Problem(
+            self.layout, self.prepared, windows, self.sigma, capacity, self.fixed["B1"],
+            programs=self.programs,
+        )  # fmt: skip
 
     def unknowns(self) -> tuple[Unknown, ...]:
         """The baseline's unknowns and the nuisances that go with it."""
@@ -142,7 +152,7 @@ def prepare_campaign(
     sigma = np.array([noise["phi1"], noise.get("phi2", 1.0)])
     sigma = np.where(sigma > 0.0, sigma, 1e-6)
     if effects is None:
-        effects = [e for e in catalogue().values() if e.n_states == 0]
+        effects = list(catalogue().values())
         if campaign.model == "single":
             effects = [e for e in effects if not e.about_rider]
     layout = Layout(campaign.model, tuple(effects))

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tp_jax.effects import Applied, Effect
+from tp_jax.effects.base import HOOKS
 from tp_jax.model.bearing import Bearing
 from tp_jax.model.contact import Contact
 from tp_jax.model.drive import LanewiseDrive
@@ -31,6 +32,10 @@ GIVEN = (
     Parameter("drift_middle", "s", -1e9, 1e9, scope="recording"),
     Parameter("drift_rate", "1/s", 0.0, 1e9, scope="recording"),
 )
+
+#: Hooks of what is read, and of what moves; the clock's are both.
+SENSORS = frozenset({"sensor1", "sensor2", "clock"})
+MOTION = frozenset(HOOKS) - {"sensor1", "sensor2"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,13 +74,14 @@ class Layout:
         """Name to slot."""
         return {p.name: i for i, p in enumerate(self.parameters)}
 
-    def amplitudes(self, hooks: frozenset[str]) -> tuple[int, ...]:
-        """Slots of the amplitudes of the effects at some hooks."""
+    def carried(self, ids: frozenset[str]) -> tuple[Effect, ...]:
+        """The effects of some ids."""
+        return tuple(e for e in self.effects if e.id in ids)
+
+    def amplitudes(self, ids: frozenset[str]) -> tuple[int, ...]:
+        """Slots of the amplitudes of some effects."""
         return tuple(
-            self.index[e.qualified(a.name)]
-            for e in self.effects
-            if e.hook in hooks
-            for a in e.amplitudes
+            self.index[e.qualified(a.name)] for e in self.carried(ids) for a in e.amplitudes
         )
 
     @functools.cached_property
@@ -85,26 +91,43 @@ class Layout:
         fixed |= {e.qualified(s.name) for e in self.effects for s in e.shapes if not s.continuous}
         return tuple(i for i, p in enumerate(self.parameters) if p.name not in fixed)
 
-    @property
-    def n_states(self) -> int:
-        """Number of states."""
-        return 4 + sum(e.n_states for e in self.effects)
+    @functools.cached_property
+    def sensing(self) -> frozenset[str]:
+        """Effects that change what is read, not what moves."""
+        return frozenset(e.id for e in self.effects if e.hook in SENSORS)
 
-    def depends(self, hooks: frozenset[str]) -> tuple[int, ...]:
-        """Slots on which a model with the effects at some hooks depends."""
-        others = [e for e in self.effects if e.hook not in hooks]
+    @functools.cached_property
+    def families(self) -> tuple[frozenset[str], ...]:
+        """Effects of the motion in groups of their own: what they add to a step's cost is alike.
+
+        Those of the contact, those of the rest, then those with one state of their own, with two.
+        """
+        kinds: dict[tuple[int, bool], set[str]] = {}
+        for e in self.effects:
+            if e.hook in MOTION:
+                kind = (e.n_states, not e.n_states and e.hook != "contact")
+                kinds.setdefault(kind, set()).add(e.id)
+        return tuple(frozenset(kinds[kind]) for kind in sorted(kinds))
+
+    def n_states(self, ids: frozenset[str] = frozenset()) -> int:
+        """Number of states of a model with some effects."""
+        return 4 + sum(e.n_states for e in self.carried(ids))
+
+    def depends(self, ids: frozenset[str]) -> tuple[int, ...]:
+        """Slots on which a model with some effects depends."""
+        others = [e for e in self.effects if e.id not in ids]
         names = {e.qualified(x.name) for e in others for x in (*e.amplitudes, *e.shapes)}
         return tuple(i for i, p in enumerate(self.parameters) if p.name not in names)
 
     def model(
-        self, p: Sequence, piece=None, left=None, hooks: frozenset[str] | None = None
+        self, p: Sequence, piece=None, left=None, ids: frozenset[str] | None = None
     ) -> AbstractTorsionPendulum:
         """A pendulum whose fields are the slots' arrays.
 
         Args:
             p: one array per slot.
             piece, left: coefficients and left edge of a measured drive's piece.
-            hooks: the effects to carry, by their hooks; all if None.
+            ids: of the effects to carry; all if None.
         """
         v = dict(zip(self.index, p, strict=True))
         zero = 0.0 * v["B1"]
@@ -119,7 +142,7 @@ class Layout:
         terms = tuple(
             Applied(e, {a.name: v[e.qualified(a.name)] for a in (*e.amplitudes, *e.shapes)})
             for e in self.effects
-            if hooks is None or e.hook in hooks
+            if ids is None or e.id in ids
         )
         shared = dict(
             drive=drive,

@@ -23,7 +23,6 @@ from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, Fit, parameter
 from tp_jax.estimation.problem import Problem, columns, spread
-from tp_jax.estimation.program import groups
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.traced_windows import Traced, evaluate, traced
 from tp_jax.estimation.unbounded import Unbounded
@@ -128,9 +127,10 @@ def fit(
             problem, values, states + own, elim.state_gain, unknowns, specs, anchors, needed
         )
         scaled = _scaled(windows, box, u, g, H)
-        hooks = groups(problem.layout, values.table, [problem.layout.index[s] for s in slots])
+        asked = problem.programs.asked([problem.layout.index[s] for s in slots])
+        ids = problem.programs.cover(problem.programs.active(values.table), asked)
         found, spent = _search(
-            problem.layout, problem.tolerances, hooks, loss, SOLVERS[method], scaled
+            problem.layout, problem.tolerances, ids, loss, SOLVERS[method], scaled
         )
         passes += float(spent)
         new_u = np.clip(np.asarray(found), low, high)
@@ -182,11 +182,11 @@ def _scaled(
 
 @eqx.filter_jit
 def _search(
-    layout: Layout, tolerances: Tolerances, hooks: frozenset[str], loss: Loss,
+    layout: Layout, tolerances: Tolerances, ids: frozenset[str], loss: Loss,
     solver: optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser, scaled: _Scaled,
 ) -> tuple[Float[Array, " u"], Int[Array, ""]]:  # fmt: skip
     """One run of a method of optimistix; coordinates u where it ended, evaluations spent."""
-    both = functools.partial(_both, layout, tolerances, hooks, loss)
+    both = functools.partial(_both, layout, tolerances, ids, loss)
 
     @jax.custom_jvp
     def residuals(z, scaled):
@@ -208,11 +208,11 @@ def _search(
 
 
 def _both(
-    layout: Layout, tolerances: Tolerances, hooks: frozenset[str], loss: Loss,
+    layout: Layout, tolerances: Tolerances, ids: frozenset[str], loss: Loss,
     z: Float[Array, " u"], s: _Scaled,
 ) -> tuple[Float[Array, " r"], Float[Array, "r u"]]:  # fmt: skip
     u, slope = jax.jvp(s.box.inside, (s.origin + s.axes @ z,), (jnp.ones_like(z),))
-    r, J = evaluate(layout, tolerances, hooks, loss, u, s.windows)
+    r, J = evaluate(layout, tolerances, ids, loss, u, s.windows)
     return r, (J * slope) @ s.axes
 
 

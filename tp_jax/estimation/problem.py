@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tp_jax.estimation.layout import Layout, Unknown, Values
-from tp_jax.estimation.program import COLUMN, CONTACT, Block, groups, linearise
+from tp_jax.estimation.program import Block, Programs, linearise, remember
 from tp_jax.estimation.windows import Prepared, Windows
 from tp_jax.simulation.lanes import Tolerances
 
@@ -65,6 +65,7 @@ class Problem:
             compiled program serves them.
         B1: inertia of the column, to which bounds and typical sizes are scaled [kg m^2].
         tolerances: of the integration.
+        programs: which program carries which effects; its own if None.
     """
 
     layout: Layout
@@ -74,6 +75,11 @@ class Problem:
     capacity: int
     B1: float
     tolerances: Tolerances = Tolerances()  # noqa: RUF009
+    programs: Programs = None  # type: ignore[assignment]
+
+    def __post_init__(self):
+        if self.programs is None:
+            object.__setattr__(self, "programs", Programs(self.layout))
 
     @property
     def measured(self) -> bool:
@@ -89,6 +95,33 @@ class Problem:
             for c, name in enumerate(("zero1", "zero2")):
                 states[:, c] -= values.table[self.layout.index[name], w.recording]
         return states
+
+    def own_states(self, values: Values, ids: frozenset[str]) -> np.ndarray:
+        """Own states (w, k) of some effects at the windows' starts, from the motion until there."""
+        count = self.layout.n_states(ids) - 4
+        if not count:
+            return np.zeros((self.windows.n, 0))
+        past = remember(self.layout, ids, values.table, *self._paths(values))
+        return np.asarray(past)[self.windows.recording, :, self.windows.first]
+
+    def _paths(self, values: Values) -> tuple:
+        """Times (R, n), motions (R, 4, n) and pieces of a measured drive of all recordings.
+
+        Those that are shorter stay at their end.
+        """
+        n = max(p.t.size for p in self.prepared)
+        t = np.stack([np.pad(p.t, (0, n - p.t.size), "edge") for p in self.prepared])
+        y = np.stack([np.pad(p.path.T, ((0, 0), (0, n - p.t.size)), "edge") for p in self.prepared])
+        for c, name in enumerate(("zero1", "zero2")):
+            y[:, c] -= values.table[self.layout.index[name], :, None]
+        if not self.measured:
+            return t, y, None
+        pieces = np.zeros((len(self.prepared), n, 4))
+        for r, p in enumerate(self.prepared):
+            if p.pieces is not None:
+                pieces[r, : p.t.size - 1] = p.pieces
+                pieces[r, p.t.size - 1 :] = p.pieces[-1]
+        return t, y, pieces
 
     def degrees_of_freedom(self, unknowns: int) -> int:
         """Samples less estimated window states and unknowns.
@@ -164,35 +197,63 @@ class Problem:
             slots: names to differentiate by; any number, taken in fixed portions.
         """
         index = [self.layout.index[s] for s in slots]
-        portions = _portions(self.layout, index)
-        jobs = [(b, d) for d in range(len(portions)) for b in range(len(self.blocks()))]
+        active = self.programs.active(values.table)
+        portions = self.programs.portions(index, active, DIRECTIONS)
+        # neighbours are of different programs, so that two of them are compiled at once
+        jobs = [(b, d) for b in range(len(self.blocks())) for d in range(len(portions))]
         spare = self.layout.index["reaction"]
+        own = {ids: self.own_states(values, ids) for _, ids in portions}
 
         def run(job):
             b, d = job
             which, places, block = self.blocks()[b]
             _, lane, at = places.T
+            part, ids = portions[d]
             p = np.repeat(values.table[:, :1], LANES, axis=1)
             p[:, lane] = values.table[:, self.windows.recording[which]]
-            x0 = np.zeros((self.capacity, self.layout.n_states, LANES))
-            x0[at, : states.shape[1], lane] = states[which]
-            mine = [index[k] for k in portions[d]]
-            directions = mine + [spare] * (DIRECTIONS - len(mine))
+            x0 = np.zeros((self.capacity, self.layout.n_states(ids), LANES))
+            x0[at, :4, lane] = states[which]
+            x0[at, 4:, lane] = own[ids][which]
+            directions = [index[k] for k in part]
+            directions += [spare] * (DIRECTIONS - len(part))
             out = linearise(
-                self.layout, self.tolerances, groups(self.layout, p, mine), jnp.asarray(p),
-                jnp.asarray(x0), block, jnp.asarray(directions),
+                self.layout, self.tolerances, ids, jnp.asarray(p), jnp.asarray(x0), block,
+                jnp.asarray(directions),
             )  # fmt: skip
             return [np.asarray(a) for a in out]
 
         self.blocks()
         with ThreadPoolExecutor(2) as pool:
             results = dict(zip(jobs, pool.map(run, jobs), strict=True))
-        return self._assemble(results, tuple(slots), portions)
+        return self._assemble(results, tuple(slots), [part for part, _ in portions])
+
+    def compile_ahead(self, active: frozenset[str]) -> None:
+        """Has the programs compiled, in threads of their own, that look at every effect.
+
+        Args:
+            active: effects that have amplitudes.
+        """
+        programs = [self.programs.cover(active, family) for family in self.layout.families]
+        spare = self.layout.index["reaction"]
+
+        def run(ids: frozenset[str]) -> None:
+            nothing = np.zeros((0, 0), dtype=int)
+            block = self._block(nothing, nothing.reshape(0, 3))
+            linearise(
+                self.layout, self.tolerances, ids, jnp.ones((len(self.layout.parameters), LANES)),
+                jnp.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
+                jnp.asarray([spare] * DIRECTIONS),
+            )  # fmt: skip
+
+        pool = ThreadPoolExecutor(2)
+        for ids in programs:
+            pool.submit(run, ids)
+        pool.shutdown(wait=False)
 
     def _assemble(
         self, results: dict, slots: tuple[str, ...], portions: list[list[int]]
     ) -> Linearisation:
-        nw, n, nc = self.windows.n, int(self.windows.count.max()), self.layout.n_states
+        nw, n, nc = self.windows.n, int(self.windows.count.max()), 4
         m = 2 * n + 4
         r = np.zeros((nw, m))
         states_jac = np.zeros((nw, m, 4))
@@ -240,25 +301,3 @@ def spread(lin: Linearisation, unknowns: Sequence[Unknown]) -> np.ndarray:
         if u.recording is not None:
             out[lin.recording != u.recording, :, j] = 0.0
     return out
-
-
-def _portions(layout: Layout, slots: Sequence[int]) -> list[list[int]]:
-    """Places in `slots`, in portions of no more than a call takes.
-
-    Effects of the contact and of the rest in portions of their own: a motion with both is dearer.
-    What belongs to neither fills up the first.
-    """
-    contact, others = set(layout.amplitudes(CONTACT)), set(layout.amplitudes(COLUMN))
-    sorted_places = [[], [], []]
-    for i, slot in enumerate(slots):
-        sorted_places[1 if slot in contact else 2 if slot in others else 0].append(i)
-    neutral, *acting = sorted_places
-    portions: list[list[int]] = [
-        group[i : i + DIRECTIONS] for group in acting for i in range(0, len(group), DIRECTIONS)
-    ]
-    for place in neutral:
-        roomy = next((p for p in portions if len(p) < DIRECTIONS), None)
-        if roomy is None:
-            portions.append(roomy := [])
-        roomy.append(place)
-    return portions or [[]]

@@ -1,12 +1,16 @@
 """The compiled programs: residuals of a block of windows and their Jacobian.
 
-Four integrate: they differ in the effects that the motion carries (`groups`), since most of a
+Those that integrate differ in the effects that the motion carries (`Programs`), since most of a
 step's cost, and most of what is compiled, is effects. One makes readings of what they return. Which
 numbers an effect has, and what is differentiated by, is data.
 """
 
+import collections
+import contextlib
+import dataclasses
 import functools
-from collections.abc import Sequence
+import threading
+from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
 import jax
@@ -18,9 +22,6 @@ from tp_jax.estimation.layout import Layout
 from tp_jax.simulation.lanes import Integrated, Lanes, Tolerances, integrate
 
 NONE = frozenset[str]()
-CONTACT = frozenset({"contact"})
-SENSORS = frozenset({"sensor1", "sensor2", "clock"})
-COLUMN = frozenset({"clock", "phase", "drive", "spring", "bearing", "column"})
 
 TRACES: list[tuple] = []  # one entry per trace; tests count them
 
@@ -46,37 +47,96 @@ class Block(NamedTuple):
 class Linearised(NamedTuple):
     """Weighted residuals (model - data) of a block and their Jacobian.
 
-    r: (L, n, 2); jac: (L, n, 2, c + d); prior_r: (L, n, 4); prior_jac: (L, n, 4, c + d);
-    states: (L, n, c); complete: (L,); steps: (L,).
+    r: (L, n, 2); jac: (L, n, 2, 4 + d); prior_r: (L, n, 4); prior_jac: (L, n, 4, 4 + d);
+    states: (L, n, 4); complete: (L,); steps: (L,). Effects' own states do not appear.
     """
 
     r: Float[Array, "L n 2"]
     jac: Float[Array, "L n 2 m"]
     prior_r: Float[Array, "L n 4"]
     prior_jac: Float[Array, "L n 4 m"]
-    states: Float[Array, "L n c"]
+    states: Float[Array, "L n 4"]
     complete: Bool[Array, " L"]
     steps: Int[Array, " L"]
 
 
-def groups(layout: Layout, p: np.ndarray, directions: Sequence[int]) -> frozenset[str]:
-    """Hooks whose effects the motion needs: some have an amplitude or are differentiated by.
+class Programs:
+    """Which effects each compiled program of a campaign carries.
 
-    Args:
-        layout: structure of the model. p: (P, ...) its numbers. directions: slots.
+    A family of effects shares one, so that all of them may be looked at (`Layout.families`). A
+    family beside effects that are there already gets one when it is first needed; whatever fits
+    into a program that is known uses the smallest such.
     """
-    hooks = NONE
-    for group in (CONTACT, COLUMN):
-        mine = list(layout.amplitudes(group))
-        if np.any(p[mine]) or not set(directions).isdisjoint(mine):
-            hooks |= group
-    return hooks
+
+    def __init__(self, layout: Layout):
+        self.layout = layout
+        self.known = [NONE, *layout.families]
+        self.moving = frozenset().union(*layout.families)
+        self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes({e.id})}
+
+    def active(self, p: np.ndarray) -> frozenset[str]:
+        """Effects of the motion with an amplitude in p (P, ...)."""
+        return frozenset(self.owner[i] for i in self.owner if np.any(p[i])) & self.moving
+
+    def asked(self, directions: Sequence[int]) -> frozenset[str]:
+        """Effects of the motion with an amplitude among some slots."""
+        return frozenset(self.owner[i] for i in directions if i in self.owner) & self.moving
+
+    def covering(self, needed: frozenset[str]) -> frozenset[str] | None:
+        """The smallest known program with all that is needed."""
+        fitting = [k for k in self.known if needed <= k]
+        return min(fitting, key=self._size) if fitting else None
+
+    def cover(self, active: frozenset[str], asked: frozenset[str]) -> frozenset[str]:
+        """A program for effects that are there and others that are asked for."""
+        found = self.covering(active | asked)
+        if found is None:
+            new = asked - active
+            found = active.union(asked, *(f for f in self.layout.families if f & new))
+            self.known.append(found)
+        return found
+
+    def add(self, ids: Collection[str]) -> None:
+        """A program for these effects of the motion and no others."""
+        exact = self.moving & frozenset(ids)
+        if exact not in self.known:
+            self.known.append(exact)
+
+    def portions(
+        self, slots: Sequence[int], active: frozenset[str], most: int
+    ) -> list[tuple[list[int], frozenset[str]]]:
+        """Places in `slots` by call, `most` at a time, and the program of each.
+
+        Effects of different families in calls of their own, unless a program has them all. What
+        belongs to no effect of the motion fills up the first.
+        """
+        new = self.asked(slots) - active
+        kinds = [f for f in self.layout.families if f & new]
+        if self.covering(active | new):
+            kinds = [new] if new else []
+        calls: list[list[int]] = []
+        for kind in kinds:
+            mine = [k for k, slot in enumerate(slots) if self.owner.get(slot) in kind]
+            calls += [mine[i : i + most] for i in range(0, len(mine), most)]
+        placed = {k for call in calls for k in call}
+        for k in range(len(slots)):
+            if k in placed:
+                continue
+            roomy = next((call for call in calls if len(call) < most), None)
+            if roomy is None:
+                calls.append(roomy := [])
+            roomy.append(k)
+        calls = calls or [[]]
+        return [(c, self.cover(active, self.asked([slots[k] for k in c]))) for c in calls]
+
+    def _size(self, ids: frozenset[str]) -> tuple[int, int]:
+        return self.layout.n_states(ids), len(ids)
 
 
 def linearise(
     layout: Layout,
     tolerances: Tolerances,
-    hooks: frozenset[str],
+    ids: frozenset[str],
     p: Float[Array, "P L"],
     x0: Float[Array, "n c L"],
     block: Block,
@@ -87,28 +147,53 @@ def linearise(
     Args:
         layout: structure of the model; static.
         tolerances: of the integration; static.
-        hooks: of the effects that act on the motion, from `groups`; static.
+        ids: effects of the motion that it carries, from `Programs`; static.
         p: all slots for every lane.
         x0: states at the windows' starts.
         block: the data.
         directions: slots to differentiate by.
     """
-    run = _integrate(layout, tolerances, hooks, p, x0, block, directions)
-    return _observe(layout, p, block, directions, run)
+    if isinstance(x0, jax.core.Tracer):
+        run = _integrate(layout, tolerances, ids, p, x0, block, directions)
+        return _observe(layout, p, block, directions, run)
+    shapes = (p.shape, x0.shape, directions.shape, block.pieces is None)
+    with _compiling(("integrate", layout, tolerances, ids, *shapes)):
+        run = _integrate(layout, tolerances, ids, p, x0, block, directions)
+    with _compiling(("observe", layout, *shapes[:1], x0.shape[0], *shapes[2:])):
+        return _observe(layout, p, block, directions, run)
+
+
+_compiled: set[tuple] = set()
+_locks: dict[tuple, threading.Lock] = collections.defaultdict(threading.Lock)
+
+
+@contextlib.contextmanager
+def _compiling(key: tuple) -> Iterator[None]:
+    """Lets one thread compile what several ask for, while the others wait for it."""
+    if key in _compiled:
+        yield
+        return
+    with _locks[key]:
+        yield
+        _compiled.add(key)
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1, 2))
-def _integrate(layout, tolerances, hooks, p, x0, block, directions) -> Integrated:
+def _integrate(layout, tolerances, ids, p, x0, block, directions) -> Integrated:
     """States and tangents of a block's windows."""
     kind = (tolerances, block.pieces is None)
-    TRACES.append((layout, hooks, p.shape, block.ts.shape, directions.shape, kind))
+    TRACES.append((layout, ids, p.shape, block.ts.shape, directions.shape, kind))
 
     def field(t, y, q, piece, left):
-        return layout.model(q, piece, left, hooks).derivative(t, y)
+        return layout.model(q, piece, left, ids).derivative(t, y)
 
     eps = (layout.index["eps1"], layout.index["eps2"])
     lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
-    return integrate(field, tuple(p), lanes, eps, directions, layout.estimable, tolerances)
+    run = integrate(field, tuple(p), lanes, eps, directions, layout.estimable, tolerances)
+    # What follows knows angles and velocities only, and is compiled once for all.
+    own = slice(4, x0.shape[1])
+    s = jnp.delete(run.s, own, axis=3, assume_unique_indices=True)
+    return run._replace(y=run.y[..., :4], s=s)
 
 
 @functools.partial(jax.jit, static_argnums=0)
@@ -129,17 +214,16 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     # takes the square of the delay, are those of the pendulum without.
     @jax.jit
     def readings(t, y, q):
-        model = layout.model(q, piece, left, SENSORS)
+        model = layout.model(q, piece, left, layout.sensing)
         f = lambda t, y: jnp.stack(model.readings(t, y))  # noqa: E731
         rates = model.derivative(t, y)
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
         return jnp.concatenate([h, dh])
 
     # What acts on the motion alone reaches the readings through the states only.
-    depends = set(layout.depends(SENSORS)) & set(layout.estimable)
+    depends = set(layout.depends(layout.sensing)) & set(layout.estimable)
     value, by_state, by_slot = _derivatives(readings, block.ts, y, wide, depends)
     s = run.s.transpose(2, 3, 1, 0)  # (c, m, n, L)
-    # The sensors see angles and velocities, not the effects' own states.
     jac = sum(by_state[k][:, None] * s[k][None] for k in range(4))  # (4, m, n, L)
     nc = len(y)
     jac = jac.at[:, nc:].add(jnp.take(by_slot, directions, axis=1))
@@ -173,3 +257,41 @@ def _derivatives(f, t, y, q, depends):
         for k in range(len(q))
     ]
     return value, by_state, jnp.stack(by_slot, axis=1)
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1))
+def remember(
+    layout: Layout,
+    ids: frozenset[str],
+    p: Float[Array, "P R"],
+    t: Float[Array, "R n"],
+    y: Float[Array, "R 4 n"],
+    pieces: Float[Array, "R n 4"] | None,
+) -> Float[Array, "R k n"]:
+    """The effects' own states along motions that are known, from rest at their beginning.
+
+    Args:
+        layout: structure of the model; static.
+        ids: of effects; static.
+        p: all slots for every recording.
+        t: sample times.
+        y: angles and velocities there.
+        pieces: of a measured drive from each sample on.
+    """
+
+    def along(p, t, y, piece):
+        left = None if piece is None else t
+        model = layout.model(tuple(p), None if piece is None else tuple(piece.T), left, ids)
+        return _past(model, t, tuple(y))
+
+    return jax.vmap(along, in_axes=(1, 0, 0, None if pieces is None else 0))(p, t, y, pieces)
+
+
+def _past(model, t, y):
+    """Own states (k, n), one effect after the other."""
+    found = []
+    for term in model.terms:
+        if term.n_states:
+            bare = dataclasses.replace(model, terms=())
+            found += list(term.past(bare.motion(t, y)))
+    return jnp.stack(found)

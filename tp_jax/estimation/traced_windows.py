@@ -100,7 +100,7 @@ def traced(
 def evaluate(
     layout: Layout,
     tolerances: Tolerances,
-    hooks: frozenset[str],
+    ids: frozenset[str],
     loss: Loss,
     u: Float[Array, " u"],
     t: Traced,
@@ -123,7 +123,7 @@ def evaluate(
         recording, states, gain, begin, block = args
         x0 = states + jnp.einsum("nclu,u->ncl", gain, u - t.at)
         out = linearise(
-            layout, tolerances, hooks, table[:, recording], x0, block, t.directions
+            layout, tolerances, ids, table[:, recording], x0, block, t.directions
         )  # fmt: skip
         lane = jnp.arange(LANES)
         follow = gain.transpose(1, 0, 2, 3)[:, begin, lane]  # (4, n, L, u)

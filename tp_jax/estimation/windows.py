@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from tp_jax.model.dahl import play_along
 from tp_jax.recordings import Recording
 from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.smooth import local_polynomial
@@ -14,6 +15,9 @@ from tp_jax.recordings.smooth import local_polynomial
 #: prior only has to hold what the window cannot tell (the velocity of a stuck rider).
 PRIOR_INFLATION = 3.0
 
+#: Standard errors of a smoothed angle within which a body at rest seems to wander.
+NOISE_OF_PATH = 2.0
+
 
 @dataclasses.dataclass(frozen=True)
 class Prepared:
@@ -21,7 +25,8 @@ class Prepared:
 
     t: (n,) s; y: (n, 2) rad, zeros where a channel is missing; channels: (2,) bool;
     smooth: (n, 4) smoothed readings and their rates; smooth_sd: (n, 4);
-    pieces: (n - 1, 4) cubic coefficients of the measured drive, or None.
+    pieces: (n - 1, 4) cubic coefficients of the measured drive, or None;
+    path: (n, 4) as `smooth`, its angles without what is noise (`play_along`).
     """
 
     t: np.ndarray
@@ -30,6 +35,11 @@ class Prepared:
     smooth: np.ndarray
     smooth_sd: np.ndarray
     pieces: np.ndarray | None
+    path: np.ndarray | None = None
+
+    def __post_init__(self):
+        if self.path is None:
+            object.__setattr__(self, "path", self.smooth)
 
 
 def prepare(recording: Recording, sigma: Mapping[str, float], width: int) -> Prepared:
@@ -60,7 +70,11 @@ def prepare(recording: Recording, sigma: Mapping[str, float], width: int) -> Pre
         # The piece across a gap is a guess that only free runs meet: no window lies there, and a
         # few samples beside it the spline is that of the whole.
         pieces = CubicSpline(recording.t, recording.drive).c.T
-    return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces)
+    path = smooth.copy()
+    for c in np.flatnonzero(channels):
+        error = float(np.median(sd[:, c]))
+        path[:, c] = play_along(smooth[:, c], NOISE_OF_PATH * error)
+    return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces, path)
 
 
 @dataclasses.dataclass(frozen=True)

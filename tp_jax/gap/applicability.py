@@ -4,6 +4,7 @@ import numpy as np
 
 from tp_jax.effects import Effect
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.layout import SENSORS
 
 
 def conditions(setting: Setting) -> frozenset[str]:
@@ -23,8 +24,8 @@ def conditions(setting: Setting) -> frozenset[str]:
 
 def why_not(effect: Effect, setting: Setting) -> str | None:
     """None if the effect applies, else one sentence that says what is missing."""
-    if effect.n_states:
-        return "Not screened: it has states of its own."
+    if effect.n_states and effect.hook in SENSORS:
+        return "Not screened: a sensor with states of its own."
     missing = effect.needs - conditions(setting)
     if effect.about_rider and not setting.rider:
         missing = missing | {"rider"}

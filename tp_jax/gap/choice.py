@@ -10,7 +10,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.crossvalidation import gain, left_out_cost
-from tp_jax.gap.refit import Refit, lengthened, polish, refit, regrown, removable
+from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
 
@@ -76,8 +76,9 @@ def choose(
         seen = screen(current.fit, setting, skip=current.ids)
         structure = structure_test(seen.scored, seed)
         log.info("round %d: structure p %.4g", n + 1, structure.p)
-        done = structure.p >= LEVEL or n == len(REFITTED)
-        if done:
+        # A cause takes something worth telling with it, and so must be more than what is left.
+        settled = bool(current.ids) and removable(current.fit) <= LEAST_PART * noise_only
+        if structure.p >= LEVEL or settled or n == len(REFITTED):
             rounds.append(Round(current.fit, seen, structure, {}, {}, None))
             break
         block = blocks_of(current.fit, setting)
@@ -90,22 +91,25 @@ def choose(
             if i >= ALWAYS and left < SETTLED * noise_only:
                 break
             progress(f"refitting with {s.id}", i / len(ranked))
+            if i == 0 and s.variant.effect.n_states:
+                # The other effects with states are a burden that many fits would carry.
+                current.fit.problem.programs.add({*current.ids, s.id})
             trial = refit(setting, current.fit, [*current.variants, s.variant])
-            if i < ALWAYS and min(left, removable(trial.fit)) > SETTLED * noise_only:
-                trial = regrown(setting, current.fit, trial)
+            for better in (freed, regrown):
+                if i < ALWAYS and min(left, removable(trial.fit)) > SETTLED * noise_only:
+                    trial = better(setting, current.fit, trial)
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         best = _most_promising(refits, gains, block)
+        if _earned(*gains[best], noise_only):
+            # What comes next is a look at every effect beside those that are in.
+            programs = current.fit.problem.programs
+            current.fit.problem.compile_ahead(programs.moving & {*current.ids, best})
         progress(f"polishing {best}", None)
         polished = polish(setting, refits[best])
         refits[best] = polished
-        gains[best] = gain(reference, left_out_cost(polished.fit), block)
-        drop, error = gains[best]
-        # A cause that shows in a few blocks only has a large scatter and is no less real: half of
-        # the gap gone from data left out is enough.
-        sure = drop > EARNS * error or drop > MOST_PART * noise_only
-        earned = sure and drop > LEAST_PART * noise_only
-        taken = best if earned else None
+        gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
+        taken = best if _earned(drop, error, noise_only) else None
         rounds.append(Round(current.fit, seen, structure, refits, gains, taken))
         log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
         if taken is None:
@@ -116,6 +120,16 @@ def choose(
             progress("longer windows", None)
             current = lengthened(setting, current)
     return Choice(baseline, tuple(rounds), current)
+
+
+def _earned(drop: float, error: float, gap: float) -> bool:
+    """Whether a fall of the left-out sum of squares makes a cause of an effect.
+
+    A cause that shows in a few blocks only has a large scatter and is no less real: half of the gap
+    gone from data left out is enough.
+    """
+    sure = drop > EARNS * error or drop > MOST_PART * gap
+    return sure and drop > LEAST_PART * gap
 
 
 def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:

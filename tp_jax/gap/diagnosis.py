@@ -78,6 +78,7 @@ def diagnose(
     progress = progress or _silent
     campaign = hold_out(campaign)
     setting = prepare_campaign(campaign, model=model)
+    setting.problem(setting.horizons[0]).compile_ahead(frozenset())
     baseline = grow(setting, initial_values(setting), setting.unknowns(), progress=progress)
     choice = choose(setting, baseline, seed, progress)
     progress("reading the held-out recordings", None)

@@ -1,5 +1,6 @@
 """Free runs: from the state at the start of a recording to its end, never corrected."""
 
+import dataclasses
 import functools
 
 import equinox as eqx
@@ -8,7 +9,7 @@ import numpy as np
 
 from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.layout import Values
+from tp_jax.estimation.layout import SENSORS, Values
 from tp_jax.estimation.least_squares import fit
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.windows import Windows
@@ -29,7 +30,7 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
     windows = Windows(np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon)
     problem = Problem(
         setting.layout, setting.prepared, windows, setting.sigma, setting.capacity,
-        setting.fixed["B1"],
+        setting.fixed["B1"], programs=setting.programs,
     )  # fmt: skip
     return fit(problem, values, (), max_iterations=15, relative=1e-6).states[0]
 
@@ -61,7 +62,11 @@ def run_readings(model: AbstractTorsionPendulum, t: np.ndarray, x0: np.ndarray) 
 
 @functools.partial(eqx.filter_jit)
 def _simulate_readings(model, t, x0):
-    motion = simulate(model, t, x0, tolerance=1e-7)
+    own = jax.numpy.zeros(model.n_states - 4)
+    motion = simulate(model, t, jax.numpy.concatenate([x0, own]), tolerance=1e-7)
+    # As in the windows: what an effect does to the motion is in the states.
+    sensing = tuple(term for term in model.terms if term.hook in SENSORS)
+    model = dataclasses.replace(model, terms=sensing)
     states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
     y1, y2 = model.readings(motion.t, states)
     return jax.numpy.stack([y1, y2], axis=1)

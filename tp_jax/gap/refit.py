@@ -103,6 +103,38 @@ def refit(
     return Refit(result, tuple(variants))
 
 
+def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15) -> Refit:  # noqa: ARG001
+    """The same effects, the last one's continuous shape constants fitted too.
+
+    A point of the grid may be far enough from the truth to look like another effect.
+    """
+    last = trial.variants[-1]
+    if not any(s.continuous for s in last.effect.shapes):
+        return trial
+    unknowns, bounds = _with_shapes(setting, trial)
+    found = _again(trial.fit, trial.fit.values, unknowns, bounds, max_iterations, relative=1e-3)
+    return Refit(found, (*trial.variants[:-1], _at(last, found.values)))
+
+
+def _with_shapes(setting: Setting, result: Refit) -> tuple[list[Unknown], dict]:
+    """Unknowns and bounds with the continuous shape constants of the last effect."""
+    last = result.variants[-1]
+    unknowns, bounds = list(result.fit.unknowns), dict(setting.bounds)
+    for s in (s for s in last.effect.shapes if s.continuous):
+        name = last.effect.qualified(s.name)
+        bounds[name] = (min(s.grid) / 3.0, max(s.grid) * 3.0)
+        if Unknown(name) not in unknowns:
+            unknowns.append(Unknown(name))
+    return unknowns, bounds
+
+
+def _at(variant: Variant, values: Values) -> Variant:
+    """A variant with the shape constants of a fit."""
+    names = sorted(s.name for s in variant.effect.shapes)
+    shapes = tuple((n, values.get(variant.effect.qualified(n))) for n in names)
+    return dataclasses.replace(variant, shapes=shapes)
+
+
 def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 20) -> Refit:
     """The same effects fitted anew from the shortest windows, which are then lengthened.
 
@@ -148,7 +180,7 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     log.info("%s regrown, %s: chi2/dof %.4g, %s",
              "+".join(trial.ids), chosen.shapes, best.chi2_dof, best.message)  # fmt: skip
     better = np.isfinite(best.cost) and best.cost < trial.cost
-    return Refit(best, (*others, chosen)) if better else trial
+    return Refit(best, (*others, _at(chosen, best.values))) if better else trial
 
 
 def _inside(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:
@@ -172,28 +204,22 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
     anew from inside, and kept where it does better.
     """
     last, before = result.variants[-1], result.fit
-    unknowns = list(before.unknowns)
-    bounds = dict(setting.bounds)
-    for s in (s for s in last.effect.shapes if s.continuous):
-        name = last.effect.qualified(s.name)
-        bounds[name] = (min(s.grid) / 3.0, max(s.grid) * 3.0)
-        unknowns.append(Unknown(name))
+    unknowns, bounds = _with_shapes(setting, result)
     done = _again(before, before.values, unknowns, bounds, max_iterations)
     stuck = [u for u, b in zip(done.unknowns, done.at_bound, strict=True) if b]
     inside = _inside(done.problem, stuck)
     if inside:
         trial = _again(done, done.values.replace(inside), unknowns, bounds, max_iterations)
         done = trial if trial.cost < done.cost else done
-    names = {s.name for s in last.effect.shapes}
-    shapes = tuple((n, done.values.get(last.effect.qualified(n))) for n in sorted(names))
-    variant = dataclasses.replace(last, shapes=shapes)
-    return Refit(done, (*result.variants[:-1], variant))
+    return Refit(done, (*result.variants[:-1], _at(last, done.values)))
 
 
-def _again(before: Fit, values: Values, unknowns, bounds, max_iterations: int) -> Fit:
+def _again(
+    before: Fit, values: Values, unknowns, bounds, max_iterations: int, relative: float = 1e-7
+) -> Fit:
     return fit(
         before.problem, values, unknowns, before.states, bounds=bounds, anchors=before.anchors,
-        max_iterations=max_iterations, relative=1e-7,
+        max_iterations=max_iterations, relative=relative,
     )  # fmt: skip
 
 

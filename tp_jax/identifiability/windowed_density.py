@@ -191,7 +191,7 @@ def _part(layout, tolerances, longest, part: Part, data: Data, x: Array):
     n = part.block.ts.shape[0]
     p = part.p.at[data.slots].set(x[:, None])
     start = part.states + part.gain @ (x - data.base)
-    x0 = jnp.zeros((n, layout.n_states, part.block.ts.shape[1]))
+    x0 = jnp.zeros((n, 4, part.block.ts.shape[1]))
     x0 = x0.at[part.at, :4, part.lane].set(start)
     out = linearise(layout, tolerances, NONE, p, x0, part.block, data.slots)
     # each window's own rows, padded to the longest
@@ -205,7 +205,7 @@ def _part(layout, tolerances, longest, part: Part, data: Data, x: Array):
     jac = jnp.concatenate(
         [jac.reshape(w, -1, jac.shape[-1]), out.prior_jac[part.lane, part.at]], axis=1
     )
-    own, by_x = jac[..., :4], jac[..., layout.n_states :]
+    own, by_x = jac[..., :4], jac[..., 4:]
     hxx = jnp.einsum("wmi,wmj->wij", own, own)
     largest = jnp.max(jnp.diagonal(hxx, axis1=1, axis2=2), axis=1)
     hxx = hxx + jnp.where(largest > 0.0, 1e-12 * largest, 1.0)[:, None, None] * jnp.eye(4)

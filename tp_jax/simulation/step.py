@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from tp_jax.simulation.columns import columns
 from tp_jax.simulation.dependence import dependence
 from tp_jax.simulation.linear_solve import Jacobian, eliminate
 from tp_jax.simulation.tableau import StageForm
@@ -62,16 +63,14 @@ def structure(field: Field, n_states: int, n_parameters: int) -> Structure:
 
 def jacobian(field: Field, s: Structure, t: Array, y: tuple, p: tuple) -> Jacobian:
     """Derivatives by the states, column by column; None where zero by structure."""
-    one = jnp.ones_like(t)
     n = len(y)
     rows: list[list[Array | None]] = [[None] * n for _ in range(n)]
-    for j in range(n):
-        if s.by_state[:, j].any():
-            f = lambda x, j=j: tuple(field(t, (*y[:j], x, *y[j + 1 :]), p))  # noqa: E731
-            column = jax.jvp(f, (y[j],), (one,))[1]
-            for i in range(n):
-                if s.by_state[i, j]:
-                    rows[i][j] = column[i]
+    which = [j for j in range(n) if s.by_state[:, j].any()]
+    found = columns(lambda *y: tuple(field(t, y, p)), y, which)
+    for j, column in zip(which, found, strict=True):
+        for i in range(n):
+            if s.by_state[i, j]:
+                rows[i][j] = column[i]
     return rows
 
 

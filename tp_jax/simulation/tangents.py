@@ -17,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
+from tp_jax.simulation.columns import columns
 from tp_jax.simulation.dependence import dependence
 from tp_jax.simulation.linear_solve import Jacobian, eliminate
 from tp_jax.simulation.step import Field, Restart, Structure, after, combine, jacobian
@@ -44,7 +45,7 @@ def curvature(field: Field, s: Structure, n_parameters: int) -> Curvature:
 
     def flat(t, *rest):
         rows = jacobian(field, s, t, tuple(rest[:n]), tuple(rest[n:]))
-        return tuple(rows[i][j] for i, j in entries)
+        return tuple(_known(rows[i][j], t) for i, j in entries)
 
     def first(t, *rest):
         return tuple(field(t, rest[:n], rest[n:]))
@@ -83,32 +84,29 @@ class Linear(NamedTuple):
 def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> Linear:
     """Derivatives of `f(y, p)` (a tuple of (L,)), only where the structure has any."""
     one = jnp.ones_like(y[0])
-    n_out = by_state.shape[0]
-    columns: list[list[Array | None]] = []
-    for k in range(len(y)):
-        row: list[Array | None] = [None] * n_out
-        if by_state[:, k].any():
-            g = lambda x, k=k: f((*y[:k], x, *y[k + 1 :]), p)  # noqa: E731
-            d = jax.jvp(g, (y[k],), (one,))[1]
-            row = [d[i] if by_state[i, k] else None for i in range(n_out)]
-        columns.append(row)
+    n, n_out = len(y), by_state.shape[0]
+    states = [k for k in range(n) if by_state[:, k].any()]
+    numbers = [k for k in range(len(p)) if by_parameter[:, k].any() and directions.size]
+    slopes = columns(
+        lambda *both: f(both[:n], both[n:]), [*y, *p], [*states, *(n + k for k in numbers)]
+    )
+    rows: list[list[Array | None]] = [[None] * n_out for _ in range(n)]
+    for k, d in zip(states, slopes, strict=False):
+        rows[k] = [x if depends else None for x, depends in zip(d, by_state[:, k], strict=True)]
     if not directions.size:
-        return Linear(columns, [None] * n_out)
+        return Linear(rows, [None] * n_out)
     found: list[list[Array]] = [[] for _ in range(n_out)]
-    for k in range(len(p)):
-        if by_parameter[:, k].any():
-            g = lambda x, k=k: f(y, (*p[:k], x, *p[k + 1 :]))  # noqa: E731
-            d = jax.jvp(g, (p[k],), (one,))[1]
-            for i in range(n_out):
-                if by_parameter[i, k]:
-                    found[i].append(d[i])
+    for k, d in zip(numbers, slopes[len(states) :], strict=True):
+        for i in range(n_out):
+            if by_parameter[i, k]:
+                found[i].append(jnp.zeros_like(one) if d[i] is None else d[i])
     by_direction: list[Array | None] = []
     for i, values in enumerate(found):
         # row of each parameter among those that matter to this output; the last row is zero
         row = np.where(by_parameter[i], np.cumsum(by_parameter[i]) - 1, len(values))
-        rows = jnp.stack([*values, jnp.zeros_like(one)])
-        by_direction.append(rows[jnp.asarray(row)[directions]] if values else None)
-    return Linear(columns, by_direction)
+        table = jnp.stack([*values, jnp.zeros_like(one)])
+        by_direction.append(table[jnp.asarray(row)[directions]] if values else None)
+    return Linear(rows, by_direction)
 
 
 def differentiate(
@@ -148,7 +146,7 @@ def differentiate(
 
     def entries(y, p):
         found = jacobian(field, shape, t, tuple(y), p)
-        return tuple(found[i][j] for i, j in bends.entries)
+        return tuple(_known(found[i][j], t) for i, j in bends.entries)
 
     bent = linear(entries, y, p, bends.by_state, bends.by_parameter, directions).along(s, n)
     ft: list[Array | None] = [None] * n
@@ -216,6 +214,11 @@ def differentiate(
     error = [combine(method.b_error, tangents, j) for j in range(n)]
     zero = jnp.zeros_like(s[0])
     return s_end, [zero if x is None else x / unit for x in f_end], error
+
+
+def _known(x: Array | None, like: Array) -> Array:
+    """An entry of the Jacobian as an array, also where its structure promised more than it has."""
+    return jnp.zeros_like(like) if x is None else x
 
 
 def initial(n: int, like: Array) -> list[Array]:
