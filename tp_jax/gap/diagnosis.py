@@ -143,7 +143,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
             "excess_z": excess,
             "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
         },
-        "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice)],
+        "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice, setting, seed)],
         "causes": _causes(
             setting, choice, final, before, held, probabilities, horizon, seed, least
         ),

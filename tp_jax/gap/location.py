@@ -6,60 +6,112 @@ import numpy as np
 
 from tp_jax.effects import CHANNELS
 from tp_jax.effects import get as get_effect
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.blocks import blocks_of
+from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.problem import Linearisation, spread
 from tp_jax.gap.choice import Choice
+from tp_jax.gap.free_torques import free_columns
 from tp_jax.gap.refit import removable
+from tp_jax.gap.variance_components import VarianceComponents, attribute
+
+EXPLAINED = 0.9  # of the removable gap: causes that take so much say where it lies themselves
 
 
 @dataclasses.dataclass(frozen=True)
 class Share:
-    """Part of the removable sum of squares that belongs to a location."""
+    """Part of the removable sum of squares that belongs to a location.
+
+    share_ci95: of its channel, where that was found without a cause.
+    """
 
     location: str
     channel: str
     share: float
     when: str
+    share_ci95: tuple[float, float] | None = None
 
 
-def locate(choice: Choice) -> list[Share]:
+def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
     """Shares by location, largest first; they sum to one.
 
-    With causes: what each took with it when it was added. What no cause explains, and everything
-    where there is none, goes to the locations in proportion to the best predicted drop in each.
+    Causes that explain the gap say where it lies: each has what it took with it when it was added.
+    Otherwise what is left free in every window does (`free_torques`), which needs no cause; within
+    a channel it is the location of a cause, or else of the effect that would help most there.
     """
     total = max(removable(choice.baseline), 1e-12)
-    parts: dict[str, float] = {}
+    taken: dict[str, float] = {}
     when: dict[str, str] = {}
     for r in choice.rounds:
         if r.taken is None:
             continue
         location = get_effect(r.taken).location
         drop = max(r.before.cost - r.refits[r.taken].cost, 0.0)
-        parts[location] = parts.get(location, 0.0) + drop
+        taken[location] = taken.get(location, 0.0) + drop
         when.setdefault(location, describe(r, location))
-    left = max(total - sum(parts.values()), 0.0)
-    last = choice.rounds[-1]
-    if left > 0.05 * total or not parts:
-        drops: dict[str, float] = {}
-        for s in last.screen.best():
-            place = s.variant.effect.location
-            drops[place] = max(drops.get(place, 0.0), s.drop)
-        sum_drops = sum(drops.values())
-        for place, drop in drops.items():
-            parts[place] = parts.get(place, 0.0) + left * drop / max(sum_drops, 1e-12)
-            when.setdefault(place, "at no particular time or speed that was looked at")
-    norm = sum(parts.values())
-    ranked = sorted(parts.items(), key=lambda kv: -kv[1])
-    return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]
+    last = [r.refits[r.taken].fit for r in choice.rounds if r.taken is not None][-1:]
+    if last and removable(last[0]) <= (1.0 - EXPLAINED) * total:
+        norm = sum(taken.values())
+        ranked = sorted(taken.items(), key=lambda kv: -kv[1])
+        return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]
+    return _without_cause(choice, setting, taken, when, seed)
+
+
+def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
+    fit = choice.baseline
+    free = free_columns(setting, fit)
+    base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
+    base_jac = spread(fit.linearisation, base)
+    lin = fit.linearisation
+    left = eliminate(lin.r, lin.states_jac, np.concatenate([free.jac, base_jac], axis=2))
+    found = attribute(VarianceComponents(left, free.channel), blocks_of(fit, setting), seed)
+    best: dict[str, tuple[float, str]] = {}
+    for s in choice.rounds[0].screen.best():
+        location = s.variant.effect.location
+        # what was taken by a cause counts before what is only predicted
+        score = taken.get(location, 0.0) * 1e6 + s.drop
+        channel = CHANNELS[location]
+        best[channel] = max(best.get(channel, (-1.0, "")), (score, location))
+    shares = []
+    for n, share, low, high in zip(found.sources, found.shares, found.low, found.high, strict=True):
+        if share <= 0.0:
+            continue
+        location = best.get(n, (0.0, n))[1]
+        text = when.get(location)
+        if text is None:
+            parts = found.alone[n]
+            both = np.concatenate(
+                [parts.coefficients, np.broadcast_to(parts.shared, (lin.r.shape[0], len(base)))],
+                axis=1,
+            )
+            states = left.state_step + np.einsum("wxu,wu->wx", left.state_gain, both)
+            after = lin.r + np.einsum("wmx,wx->wm", lin.states_jac, states)
+            after = after + np.einsum("wmu,wu->wm", free.jac, parts.coefficients)
+            after = after + base_jac @ parts.shared
+            text = densest(lin, after, location)
+        interval = (float(min(low, share)), float(max(high, share)))
+        shares.append(Share(location, n, float(share), text, interval))
+    return shares
 
 
 def describe(round_, location: str) -> str:
     """The part of the motion in which a cause lowers the squared residuals most densely."""
-    before = round_.before.linearisation
-    after = round_.refits[round_.taken].fit.linearisation
+    return densest(
+        round_.before.linearisation, round_.refits[round_.taken].fit.linearisation.r, location
+    )
+
+
+def densest(before: Linearisation, after: np.ndarray, location: str) -> str:
+    """The part of the motion in which squared residuals fall most densely.
+
+    Args:
+        before: a linearisation. after: (w, m) its residuals afterwards.
+        location: which motion is looked at.
+    """
     n = before.n_samples
     w = before.r.shape[0]
     shape = (w, n, 2)
-    gone = (before.r[:, :-4].reshape(shape) ** 2 - after.r[:, :-4].reshape(shape) ** 2).sum(axis=2)
+    gone = (before.r[:, :-4].reshape(shape) ** 2 - after[:, :-4].reshape(shape) ** 2).sum(axis=2)
     valid = before.valid[:, :-4].reshape(shape).any(axis=2)
     y = before.states
     best, text = -np.inf, "throughout"

@@ -1,0 +1,47 @@
+"""Columns of a Jacobian are those of JAX, and without what is zero."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from tp_jax.simulation.columns import columns
+
+
+@jax.jit
+def inner(x, y):
+    return jnp.where(x > 0.0, x * y, y - x), jnp.sin(y)
+
+
+def f(x, y, z, unused):
+    a, b = inner(x, y)
+    return a - b, z**2, (x - z) + unused * 0.0 + 1.0, jnp.concatenate([b[:1], a[1:]])
+
+
+def test_columns_are_jax_own():
+    rng = np.random.default_rng(0)
+    at = tuple(jnp.asarray(rng.normal(size=5)) for _ in range(4))
+    found = columns(f, at, (0, 1, 2))
+    for k, column in enumerate(found):
+        tangents = tuple(jnp.ones(5) * (i == k) for i in range(4))
+        expected = jax.jvp(f, at, tangents)[1]
+        for one, other in zip(column, expected, strict=True):
+            np.testing.assert_allclose(0.0 if one is None else one, other, atol=1e-14)
+
+
+def test_zeros_are_known():
+    at = tuple(jnp.ones(3) for _ in range(4))
+    by_x, by_z = columns(f, at, (0, 2))
+    assert by_x[1] is None
+    assert by_z[0] is None
+    assert by_z[3] is None
+    assert columns(f, at, ()) == []
+
+
+def test_under_jit():
+    at = tuple(jnp.linspace(0.1, 1.0, 4) for _ in range(4))
+    (plain,) = columns(f, at, (1,))
+    (compiled,) = jax.jit(lambda *at: columns(f, at, (1,)))(*at)
+    for one, other in zip(plain, compiled, strict=True):
+        assert (one is None) == (other is None)
+        if one is not None:
+            np.testing.assert_allclose(one, other, rtol=1e-14)

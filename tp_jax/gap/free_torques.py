@@ -1,0 +1,131 @@
+"""What is left free in every window, of which no cause is known: torques and errors of sensors.
+
+A torque on the column, one between the two bodies (equal and opposite), an error of either sensor,
+times that are off: each is a short Fourier series in every window, with coefficients of its own
+there. Whatever acts in one of these places can be written so, whatever its law; which of them is
+needed says where the gap comes from.
+"""
+
+import dataclasses
+
+import jax.numpy as jnp
+import numpy as np
+
+from tp_jax.effects import Amplitude, Effect, Shape
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.layout import Layout, Values
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.problem import Problem
+from tp_jax.model.elementary import sine
+
+HARMONICS = 6  # of a window's length
+CHANNELS = ("column", "contact", "sensor1", "sensor2", "clock")
+
+
+class _FreeTorque(Effect):
+    """`a cos 2 pi W t + b sin 2 pi W t`"""
+
+    amplitudes = (Amplitude("a", "N m", typical=1e-3), Amplitude("b", "N m", typical=1e-3))
+    shapes = (Shape("W", "Hz", (1.0,)),)
+    formula = "a cos 2 pi W t + b sin 2 pi W t"
+
+    def increment(self, m, a, b, W):  # type: ignore[override]
+        """See the class."""
+        angle = 2.0 * jnp.pi * W * m.t
+        return a * sine(angle + 0.5 * jnp.pi) + b * sine(angle)
+
+
+class FreeColumnTorque(_FreeTorque):
+    """On the column alone."""
+
+    id = "free_column_torque"
+    location = hook = "column"
+
+
+class FreeContactTorque(_FreeTorque):
+    """Between column and rider."""
+
+    id = "free_contact_torque"
+    location = hook = "contact"
+    needs = frozenset({"rider"})
+
+
+@dataclasses.dataclass(frozen=True)
+class FreeColumns:
+    """Derivatives (w, m, q) of a fit's residuals by what is free, and the channel of each (q,)."""
+
+    jac: np.ndarray
+    channel: np.ndarray
+
+
+def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
+    """What is free in each window of a fit, as columns of its Jacobian."""
+    effects = (FreeColumnTorque(), FreeContactTorque()) if setting.rider else (FreeColumnTorque(),)
+    before = fit.problem
+    layout = Layout(setting.campaign.model, effects)
+    problem = Problem(
+        layout, before.prepared, before.windows, before.sigma, before.capacity, before.B1,
+        before.tolerances,
+    )  # fmt: skip
+    values = Values.build(layout, fit.values.table.shape[1], {})
+    same = [fit.values.layout.index[p.name] for p in layout.parameters if p.name in
+            fit.values.layout.index]  # fmt: skip
+    table = values.table.copy()
+    table[: len(same)] = fit.values.table[same]
+    values = Values(layout, table)
+    parts, channel = [], []
+    for j in range(HARMONICS + 1):
+        slots = [e.qualified(n) for e in effects for n in (("a", "b") if j else ("a",))]
+        rate = {e.qualified("W"): j / before.windows.horizon for e in effects}
+        lin = problem.linearise(values.replace(rate), fit.states, slots)
+        parts.append(lin.slots_jac)
+        channel += [e.location for e in effects for _ in range(2 if j else 1)]
+    readings, own = _errors_of_readings(setting, fit)
+    jac = np.concatenate([*parts, readings], axis=2)
+    rows = fit.linearisation.valid.copy()
+    rows[:, -4:] = True  # the prior
+    jac[~rows] = 0.0
+    return FreeColumns(jac, np.array([*channel, *own]))
+
+
+def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[str]]:
+    """The same of sensors, and of the times of the readings (constant and growing)."""
+    problem, lin = fit.problem, fit.linearisation
+    w, n = problem.windows, lin.n_samples
+    used = [c for c in range(2) if c == 0 or setting.rider]
+    columns: list[np.ndarray] = []
+    channel: list[str] = []
+    since = np.zeros((w.n, n))
+    for i in range(w.n):
+        t = setting.prepared[w.recording[i]].t[w.first[i] : w.first[i] + w.count[i]]
+        since[i, : w.count[i]] = t - t[0]
+    angle = 2.0 * np.pi * since / w.horizon
+    start_sd = np.array([
+        setting.prepared[r].smooth_sd[f] for r, f in zip(w.recording, w.first, strict=True)
+    ])  # fmt: skip
+    for c in used:
+        for j in range(HARMONICS + 1):
+            waves = [(np.cos(j * angle), 0.0)]
+            if j:
+                waves.append((np.sin(j * angle), 2.0 * np.pi * j / w.horizon))
+            for wave, rate in waves:
+                column = np.zeros((w.n, lin.r.shape[1]))
+                column[:, c : 2 * n : 2] = wave / problem.sigma[c]
+                # the prior of a window's state is a reading too
+                column[:, 2 * n + c] = wave[:, 0] / start_sd[:, c]
+                column[:, 2 * n + 2 + c] = rate / start_sd[:, 2 + c]
+                columns.append(column)
+                channel.append(f"sensor{c + 1}")
+    velocity = lin.states[:, :, 2:4]
+    acceleration = (velocity[:, 1] - velocity[:, 0]) / since[:, 1:2]
+    for ramp, slope in ((np.ones_like(since), 0.0), (since / w.horizon, 1.0 / w.horizon)):
+        for which in ([0, 1], [1]) if setting.rider else ([0],):
+            column = np.zeros((w.n, lin.r.shape[1]))
+            for c in which:
+                column[:, c : 2 * n : 2] = -velocity[:, :, c] * ramp / problem.sigma[c]
+                late = -velocity[:, 0, c] * ramp[:, 0] / start_sd[:, c]
+                rate = -acceleration[:, c] * ramp[:, 0] - velocity[:, 0, c] * slope
+                column[:, 2 * n + c], column[:, 2 * n + 2 + c] = late, rate / start_sd[:, 2 + c]
+            columns.append(column)
+            channel.append("clock")
+    return np.stack(columns, axis=2), channel
