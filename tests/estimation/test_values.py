@@ -5,7 +5,6 @@ import pytest
 
 from tests.rigs import OMEGAS, bench_values, whole_layout
 from tp_jax.effects import catalogue
-from tp_jax.effects.base import HOOKS
 from tp_jax.estimation.layout import Layout, Unknown
 from tp_jax.estimation.problem import columns
 from tp_jax.model import DoubleTorsionPendulum, SingleTorsionPendulum
@@ -52,7 +51,7 @@ def test_slots():
     assert len(set(names)) == len(names)
     bare = [p.name for p in Layout(layout.kind, ()).parameters]
     assert names[: len(bare)] == bare
-    amplitudes = [names[i] for i in layout.amplitudes(frozenset(HOOKS))]
+    amplitudes = [names[i] for i in layout.amplitudes(frozenset(catalogue()))]
     assert amplitudes == [e.qualified(a.name) for e in layout.effects for a in e.amplitudes]
     assert columns(UNKNOWNS) == ("k", "Ts1", "zero2", "drive_frequency.a", "column_tilt.b")
 

@@ -153,6 +153,8 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
         Whichever is better, at the windows of `trial`.
     """
     *others, last = trial.variants
+    constants = {last.effect.qualified(s.name) for s in last.effect.shapes}
+    unknowns = [u for u in trial.fit.unknowns if u.name not in constants]  # from the grid
     target = trial.fit.problem.windows.horizon
     horizons = [*(h for h in setting.horizons if h < 0.99 * target), target]
     stuck = [u for u, b in zip(before.unknowns, before.at_bound, strict=True) if b]
@@ -164,7 +166,7 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     problem = setting.problem(horizons[0])
     for variant in variants(last.effect, setting):
         found = fit(
-            problem, start.replace(variant.settings), trial.fit.unknowns, bounds=setting.bounds,
+            problem, start.replace(variant.settings), unknowns, bounds=setting.bounds,
             anchors=trial.fit.anchors, max_iterations=max_iterations // 2, relative=1e-2,
         )  # fmt: skip
         if best is None or found.cost < best.cost:
@@ -173,14 +175,14 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     for horizon in horizons:
         problem = setting.problem(horizon)
         best = fit(
-            problem, best.values, trial.fit.unknowns, handed_on(best, problem),
+            problem, best.values, unknowns, handed_on(best, problem),
             bounds=setting.bounds, anchors=trial.fit.anchors, max_iterations=max_iterations,
             relative=1e-3,
         )  # fmt: skip
     log.info("%s regrown, %s: chi2/dof %.4g, %s",
              "+".join(trial.ids), chosen.shapes, best.chi2_dof, best.message)  # fmt: skip
     better = np.isfinite(best.cost) and best.cost < trial.cost
-    return Refit(best, (*others, _at(chosen, best.values))) if better else trial
+    return Refit(best, (*others, chosen)) if better else trial
 
 
 def _inside(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:
