@@ -5,7 +5,6 @@ step's cost, and most of what is compiled, is effects. One makes readings of wha
 numbers an effect has, and what is differentiated by, is data.
 """
 
-import collections
 import contextlib
 import dataclasses
 import functools
@@ -164,7 +163,8 @@ def linearise(
 
 
 _compiled: set[tuple] = set()
-_locks: dict[tuple, threading.Lock] = collections.defaultdict(threading.Lock)
+_locks: dict[tuple, threading.Lock] = {}
+_guard = threading.Lock()
 
 
 @contextlib.contextmanager
@@ -173,7 +173,9 @@ def _compiling(key: tuple) -> Iterator[None]:
     if key in _compiled:
         yield
         return
-    with _locks[key]:
+    with _guard:
+        lock = _locks.setdefault(key, threading.Lock())
+    with lock:
         yield
         _compiled.add(key)
 
