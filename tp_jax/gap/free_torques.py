@@ -1,9 +1,10 @@
 """What is left free in every window, of which no cause is known: torques and errors of sensors.
 
 A torque on the column, one between the two bodies (equal and opposite), an error of either sensor,
-times that are off: each is a short Fourier series in every window, with coefficients of its own
-there. Whatever acts in one of these places can be written so, whatever its law; which of them is
-needed says where the gap comes from.
+a delay between them (times that are off for both are a drive that is late, which is a torque): each
+is a short Fourier series in every window, with coefficients of its own there. Whatever acts in one
+of these places can be written so, whatever its law; which of them is needed says where the gap
+comes from.
 """
 
 import dataclasses
@@ -89,7 +90,7 @@ def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
 
 
 def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[str]]:
-    """The same of sensors, and of the times of the readings (constant and growing)."""
+    """The same of sensors, and of a delay between them (constant and growing)."""
     problem, lin = fit.problem, fit.linearisation
     w, n = problem.windows, lin.n_samples
     used = [c for c in range(2) if c == 0 or setting.rider]
@@ -118,14 +119,13 @@ def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[st
                 channel.append(f"sensor{c + 1}")
     velocity = lin.states[:, :, 2:4]
     acceleration = (velocity[:, 1] - velocity[:, 0]) / since[:, 1:2]
-    for ramp, slope in ((np.ones_like(since), 0.0), (since / w.horizon, 1.0 / w.horizon)):
-        for which in ([0, 1], [1]) if setting.rider else ([0],):
-            column = np.zeros((w.n, lin.r.shape[1]))
-            for c in which:
-                column[:, c : 2 * n : 2] = -velocity[:, :, c] * ramp / problem.sigma[c]
-                late = -velocity[:, 0, c] * ramp[:, 0] / start_sd[:, c]
-                rate = -acceleration[:, c] * ramp[:, 0] - velocity[:, 0, c] * slope
-                column[:, 2 * n + c], column[:, 2 * n + 2 + c] = late, rate / start_sd[:, 2 + c]
-            columns.append(column)
-            channel.append("clock")
+    ramps = ((np.ones_like(since), 0.0), (since / w.horizon, 1.0 / w.horizon))
+    for ramp, slope in ramps if setting.rider else ():
+        column = np.zeros((w.n, lin.r.shape[1]))
+        column[:, 1 : 2 * n : 2] = -velocity[:, :, 1] * ramp / problem.sigma[1]
+        rate = -acceleration[:, 1] * ramp[:, 0] - velocity[:, 0, 1] * slope
+        column[:, 2 * n + 1] = -velocity[:, 0, 1] * ramp[:, 0] / start_sd[:, 1]
+        column[:, 2 * n + 3] = rate / start_sd[:, 3]
+        columns.append(column)
+        channel.append("clock")
     return np.stack(columns, axis=2), channel
