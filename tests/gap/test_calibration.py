@@ -203,7 +203,7 @@ def test_an_effect_of_a_sensor_must_stand_out_to_be_refitted():
     ):
         setting = setting_of(error, wrong)
         seen = screen(linear_fit(setting, effect=0.02), setting)
-        found = _worth_refitting(setting, seen, structure_test(seen.scored, 0))
+        found = _worth_refitting(setting, seen, structure_test(seen, 0))
         assert {s.id for s in found} == ids
 
 

@@ -29,7 +29,7 @@ def linear_fit(rng, windows=20, m=12, u=3):
     )  # fmt: skip
     fit = types.SimpleNamespace(
         problem=problem, eliminated=at, at_bound=np.zeros(3, bool), unknowns=names,
-        information=lambda: at.H.sum(axis=0),
+        information=lambda: at.H.sum(axis=0), anchors=(),
     )  # fmt: skip
     return fit, jac, states, y
 

@@ -14,10 +14,11 @@ import numpy as np
 
 from tp_jax.effects import Effect, catalogue
 from tp_jax.estimation.layout import Layout, Unknown, Values
-from tp_jax.estimation.least_squares import Anchor, Fit, fit
+from tp_jax.estimation.least_squares import Anchor, Fit
 from tp_jax.estimation.problem import Problem, sample_capacity
 from tp_jax.estimation.program import Programs
 from tp_jax.estimation.start import start_from_data
+from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import Prepared, Windows, cut, prepare
 from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION

@@ -29,6 +29,8 @@ def bounded_step(
         lower, upper: (u,) bounds of the step, 0 in between.
         damping: relative, of Levenberg and Marquardt.
     """
+    if not g.size:
+        return Step(np.zeros(0), 0.0)
     scale = np.sqrt(np.maximum(np.diag(H), 1e-12 * max(np.diag(H).max(initial=0.0), 1e-300)))
     Hs = H / np.outer(scale, scale)
     values, vectors = np.linalg.eigh(Hs + damping * np.eye(len(g)))

@@ -8,17 +8,19 @@ import jax.numpy as jnp
 import numpy as np
 
 from tp_jax.estimation.layout import Layout, Unknown, Values
+from tp_jax.estimation.placement import SHORTEST, expected_steps, place
 from tp_jax.estimation.program import Block, Programs, linearise, remember
 from tp_jax.estimation.windows import Prepared, Windows
 from tp_jax.simulation.lanes import Tolerances
 
-LANES = 32  # lanes in a block; a lane holds several windows one after the other
+LANES = 8  # lanes in a block; a lane holds several windows one after the other
 DIRECTIONS = 16  # directions in a call
-_SIZES = (32, 64, 128, 256, 512, 1024, 2048, 4096)
+FEW = 4  # directions in a call that asks for no more
+_SIZES = (1024, 2048, 4096)
 
 
 def sample_capacity(counts: Sequence[int]) -> int:
-    """Samples a block must hold for windows of these counts; one of a few sizes."""
+    """Samples a lane must hold for windows of these counts; one of a few sizes."""
     most = max(counts)
     return next((s for s in _SIZES if s >= most), most)
 
@@ -139,17 +141,9 @@ class Problem:
         return np.isin(self.windows.recording, list(recordings))
 
     def _places(self) -> np.ndarray:
-        """Block, lane and first sample within the lane of every window (w, 3)."""
-        places, lane, used = [], 0, 0
-        w = self.windows
-        for i, count in enumerate(w.count):
-            # A lane has one set of numbers: windows of one recording only.
-            changed = i > 0 and w.recording[i] != w.recording[i - 1]
-            if used + count > self.capacity or changed:
-                lane, used = lane + 1, 0
-            places.append((lane // LANES, lane % LANES, used))
-            used += count
-        return np.array(places)
+        """Where every window is put (w, 4), see `place`."""
+        cost = expected_steps(self.windows, self.prepared)
+        return place(self.windows, cost, self.capacity, LANES)
 
     def _block(self, which: np.ndarray, places: np.ndarray) -> Block:
         n, w = self.capacity, self.windows
@@ -157,11 +151,12 @@ class Problem:
         data = np.zeros((n, 2, LANES))
         weight = np.zeros((n, 2, LANES))
         start = np.zeros((n, LANES), dtype=bool)
-        prior = np.zeros((n, 4, LANES))
-        prior_weight = np.zeros((n, 4, LANES))
+        begins = np.zeros((n // SHORTEST, LANES), dtype=int)
+        prior = np.zeros((n // SHORTEST, 4, LANES))
+        prior_weight = np.zeros((n // SHORTEST, 4, LANES))
         pieces = np.zeros((n - 1, 4, LANES)) if self.measured else None
         count = np.ones(LANES, dtype=int)
-        for i, (_, lane, at) in zip(which, places, strict=True):
+        for i, (_, lane, at, rank) in zip(which, places, strict=True):
             p, f, c = self.prepared[w.recording[i]], w.first[i], w.count[i]
             span = slice(at, at + c)
             ts[span, lane] = p.t[f : f + c]
@@ -169,15 +164,16 @@ class Problem:
             data[span, :, lane] = p.y[f : f + c]
             weight[span, :, lane] = np.where(p.channels, 1.0 / self.sigma, 0.0)
             start[at, lane] = True
-            prior[at, :, lane], prior_weight[at, :, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
+            begins[rank, lane] = at
+            prior[rank, :, lane], prior_weight[rank, :, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
             if pieces is not None and p.pieces is not None:
                 pieces[at : at + c - 1, :, lane] = p.pieces[f : f + c - 1]
             count[lane] = at + c
-        arrays = (ts, count, start, data, weight, prior, prior_weight, pieces)
+        arrays = (ts, count, start, data, weight, begins, prior, prior_weight, pieces)
         return Block(*(None if a is None else jnp.asarray(a) for a in arrays))
 
     def blocks(self) -> list[tuple[np.ndarray, np.ndarray, Block]]:
-        """Windows, their places (w, 3) and the data of all blocks; made once."""
+        """Windows, their places (w, 4) and the data of all blocks; made once."""
         cached = self.__dict__.get("_cached_blocks")
         if cached is None:
             places = self._places()
@@ -198,7 +194,7 @@ class Problem:
         """
         index = [self.layout.index[s] for s in slots]
         active = self.programs.active(values.table)
-        portions = self.programs.portions(index, active, DIRECTIONS)
+        portions = self.programs.portions(index, active, self._width)
         # neighbours are of different programs, so that two of them are compiled at once
         jobs = [(b, d) for b in range(len(self.blocks())) for d in range(len(portions))]
         spare = self.layout.index["reaction"]
@@ -207,7 +203,7 @@ class Problem:
         def run(job):
             b, d = job
             which, places, block = self.blocks()[b]
-            _, lane, at = places.T
+            _, lane, at, _ = places.T
             part, ids = portions[d]
             p = np.repeat(values.table[:, :1], LANES, axis=1)
             p[:, lane] = values.table[:, self.windows.recording[which]]
@@ -215,7 +211,7 @@ class Problem:
             x0[at, :4, lane] = states[which]
             x0[at, 4:, lane] = own[ids][which]
             directions = [index[k] for k in part]
-            directions += [spare] * (DIRECTIONS - len(part))
+            directions += [spare] * (self._width(ids, len(part)) - len(part))
             out = linearise(
                 self.layout, self.tolerances, ids, jnp.asarray(p), jnp.asarray(x0), block,
                 jnp.asarray(directions),
@@ -227,22 +223,32 @@ class Problem:
             results = dict(zip(jobs, pool.map(run, jobs), strict=True))
         return self._assemble(results, tuple(slots), [part for part, _ in portions])
 
-    def compile_ahead(self, active: frozenset[str]) -> None:
+    def _width(self, ids: frozenset[str], asked: int) -> int:
+        """Directions of a call to a program that is asked for so many.
+
+        Most of what is asked of effects with states of their own is one amplitude at many shapes.
+        """
+        few = self.layout.n_states(ids) > 4 or len(self.layout.amplitudes(ids)) <= FEW
+        return FEW if few and asked <= FEW else DIRECTIONS
+
+    def compile_ahead(self, active: frozenset[str], states: bool = True) -> None:
         """Has the programs compiled, in threads of their own, that look at every effect.
 
         Args:
             active: effects that have amplitudes.
+            states: whether effects with states of their own are to be looked at too.
         """
-        programs = [self.programs.cover(active, family) for family in self.layout.families]
+        families = [f for f in self.layout.families if states or f <= self.programs.plain]
+        programs = dict.fromkeys(self.programs.cover(active, family) for family in families)
         spare = self.layout.index["reaction"]
 
         def run(ids: frozenset[str]) -> None:
             nothing = np.zeros((0, 0), dtype=int)
-            block = self._block(nothing, nothing.reshape(0, 3))
+            block = self._block(nothing, nothing.reshape(0, 4))
             linearise(
                 self.layout, self.tolerances, ids, jnp.ones((len(self.layout.parameters), LANES)),
                 jnp.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
-                jnp.asarray([spare] * DIRECTIONS),
+                jnp.asarray([spare] * self._width(ids, 0)),
             )  # fmt: skip
 
         pool = ThreadPoolExecutor(2)
@@ -267,18 +273,18 @@ class Problem:
             mine = portions[d]
             end = nc + len(mine)
             weight = np.asarray(block.weight)
-            for i, (_, lane, at) in zip(which, places, strict=True):
+            for i, (_, lane, at, rank) in zip(which, places, strict=True):
                 c = self.windows.count[i]
                 span = slice(at, at + c)
                 part = jac[lane, span].reshape(2 * c, -1)
                 slots_jac[i, : 2 * c, mine] = part[:, nc:end].T
-                slots_jac[i, -4:, mine] = prior_jac[lane, at, :, nc:end].T
+                slots_jac[i, -4:, mine] = prior_jac[lane, rank, :, nc:end].T
                 if d:
                     continue
                 r[i, : 2 * c] = res[lane, span].reshape(-1)
-                r[i, -4:] = prior_r[lane, at]
+                r[i, -4:] = prior_r[lane, rank]
                 states_jac[i, : 2 * c] = part[:, :4]
-                states_jac[i, -4:] = prior_jac[lane, at, :, :4]
+                states_jac[i, -4:] = prior_jac[lane, rank, :, :4]
                 states[i, :c], complete[i] = y[lane, span], done[lane]
                 valid[i, : 2 * c] = weight[span, :, lane].reshape(-1) > 0
         for a in (r, states_jac, slots_jac):  # what is not finite must not spoil the rest

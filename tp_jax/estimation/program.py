@@ -9,7 +9,7 @@ import contextlib
 import dataclasses
 import functools
 import threading
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import NamedTuple
 
 import jax
@@ -29,8 +29,9 @@ class Block(NamedTuple):
     """Data of a block of windows (lanes last; a lane holds several windows, see `Lanes`).
 
     ts: (n, L) s; count: (L,); start: (n, L); data: (n, 2, L) rad; weight: (n, 2, L), 1/sigma, 0
-    where there is no sample; prior: (n, 4, L) smoothed readings and their rates; prior_weight:
-    (n, 4, L), 0 but at starts; pieces: (n - 1, 4, L) or None.
+    where there is no sample; begins: (W, L) first samples of a lane's windows, one after the other;
+    prior: (W, 4, L) smoothed readings and their rates there; prior_weight: (W, 4, L), 0 where there
+    is no window; pieces: (n - 1, 4, L) or None.
     """
 
     ts: Float[Array, "n L"]
@@ -38,22 +39,23 @@ class Block(NamedTuple):
     start: Bool[Array, "n L"]
     data: Float[Array, "n 2 L"]
     weight: Float[Array, "n 2 L"]
-    prior: Float[Array, "n 4 L"]
-    prior_weight: Float[Array, "n 4 L"]
+    begins: Int[Array, "W L"]
+    prior: Float[Array, "W 4 L"]
+    prior_weight: Float[Array, "W 4 L"]
     pieces: Float[Array, "n-1 4 L"] | None
 
 
 class Linearised(NamedTuple):
     """Weighted residuals (model - data) of a block and their Jacobian.
 
-    r: (L, n, 2); jac: (L, n, 2, 4 + d); prior_r: (L, n, 4); prior_jac: (L, n, 4, 4 + d);
+    r: (L, n, 2); jac: (L, n, 2, 4 + d); prior_r: (L, W, 4); prior_jac: (L, W, 4, 4 + d);
     states: (L, n, 4); complete: (L,); steps: (L,). Effects' own states do not appear.
     """
 
     r: Float[Array, "L n 2"]
     jac: Float[Array, "L n 2 m"]
-    prior_r: Float[Array, "L n 4"]
-    prior_jac: Float[Array, "L n 4 m"]
+    prior_r: Float[Array, "L W 4"]
+    prior_jac: Float[Array, "L W 4 m"]
     states: Float[Array, "L n 4"]
     complete: Bool[Array, " L"]
     steps: Int[Array, " L"]
@@ -62,15 +64,22 @@ class Linearised(NamedTuple):
 class Programs:
     """Which effects each compiled program of a campaign carries.
 
-    A family of effects shares one, so that all of them may be looked at (`Layout.families`). A
-    family beside effects that are there already gets one when it is first needed; whatever fits
-    into a program that is known uses the smallest such.
+    A family of effects shares one, so that all of them may be looked at (`Layout.families`). What
+    is to be looked at or fitted beside effects that are there already takes one with several
+    families: all without a state, those with one state too, everything. So there are few programs
+    whatever is combined, and each is compiled when it is first needed; what fits into several uses
+    the smallest.
     """
 
     def __init__(self, layout: Layout):
         self.layout = layout
         self.known = [NONE, *layout.families]
         self.moving = frozenset().union(*layout.families)
+        plain = [f for f in layout.families if layout.n_states(f) == layout.n_states()]
+        self.plain = frozenset().union(*plain)
+        self.wide = [self.plain]
+        for family in layout.families[len(plain) :]:
+            self.wide.append(self.wide[-1] | family)
         self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes({e.id})}
 
     def active(self, p: np.ndarray) -> frozenset[str]:
@@ -88,10 +97,10 @@ class Programs:
 
     def cover(self, active: frozenset[str], asked: frozenset[str]) -> frozenset[str]:
         """A program for effects that are there and others that are asked for."""
-        found = self.covering(active | asked)
+        needed = active | asked
+        found = self.covering(needed)
         if found is None:
-            new = asked - active
-            found = active.union(asked, *(f for f in self.layout.families if f & new))
+            found = next(wide for wide in self.wide if needed <= wide)
             self.known.append(found)
         return found
 
@@ -102,13 +111,22 @@ class Programs:
             self.known.append(exact)
 
     def portions(
-        self, slots: Sequence[int], active: frozenset[str], most: int
+        self,
+        slots: Sequence[int],
+        active: frozenset[str],
+        width: Callable[[frozenset[str], int], int],
     ) -> list[tuple[list[int], frozenset[str]]]:
-        """Places in `slots` by call, `most` at a time, and the program of each.
+        """Places in `slots` by call and the program of each.
 
         Effects of different families in calls of their own, unless a program has them all. What
-        belongs to no effect of the motion fills up the first.
+        belongs to no effect of the motion fills up calls that have room.
+
+        Args:
+            slots: what is asked for.
+            active: effects that are there.
+            width: how many a call to a program takes that is asked for so many.
         """
+        most = width(active, len(self.layout.parameters))
         new = self.asked(slots) - active
         kinds = [f for f in self.layout.families if f & new]
         if self.covering(active | new):
@@ -118,15 +136,17 @@ class Programs:
             mine = [k for k, slot in enumerate(slots) if self.owner.get(slot) in kind]
             calls += [mine[i : i + most] for i in range(0, len(mine), most)]
         placed = {k for call in calls for k in call}
-        for k in range(len(slots)):
-            if k in placed:
-                continue
-            roomy = next((call for call in calls if len(call) < most), None)
-            if roomy is None:
-                calls.append(roomy := [])
-            roomy.append(k)
-        calls = calls or [[]]
-        return [(c, self.cover(active, self.asked([slots[k] for k in c]))) for c in calls]
+        rest = [k for k in range(len(slots)) if k not in placed]
+        out = []
+        for call in calls:
+            ids = self.cover(active, self.asked([slots[k] for k in call]))
+            room = width(ids, len(call)) - len(call)
+            out.append((call + rest[:room], ids))
+            rest = rest[room:]
+        while rest or not out:
+            out.append((rest[:most], self.cover(active, NONE)))
+            rest = rest[most:]
+        return out
 
     def _size(self, ids: frozenset[str]) -> tuple[int, int]:
         return self.layout.n_states(ids), len(ids)
@@ -203,41 +223,62 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     """Readings of integrated windows, less the data."""
     slots = tuple(p)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))  # components (n, L)
-    if block.pieces is None:
-        piece, left = None, None
-    else:
+    measured = block.pieces is not None
+    if measured:
         last = jnp.concatenate([block.pieces, block.pieces[-1:]])
         piece = tuple(last.transpose(1, 0, 2))
         left = jnp.concatenate([block.ts[:-1], block.ts[-2:-1]])
     wide = tuple(jnp.broadcast_to(q, block.ts.shape) for q in slots)
 
-    # Readings and their rates in one go: the samples need the first two, the prior all four. What
-    # an effect of the motion does is in the states; the accelerations, of which a sensor's delay
-    # takes the square of the delay, are those of the pendulum without.
+    # What acts on the motion alone reaches the readings through the states only.
+    depends = set(layout.depends(layout.sensing)) & set(layout.estimable)
+
+    def observed(f, t, y, q, s):
+        """Values (k, m, L) and derivatives (k, 4 + d, m, L) at m samples; s: (4, 4 + d, m, L)."""
+        value, by_state, by_slot = _derivatives(f, t, y, q, depends)
+        jac = sum(by_state[k][:, None] * s[k][None] for k in range(4))
+        return value, jac.at[:, len(y) :].add(jnp.take(by_slot, directions, axis=1))
+
     @jax.jit
     def readings(t, y, q):
-        model = layout.model(q, piece, left, layout.sensing)
+        model = layout.model(q[: len(slots)], *at_piece(q), layout.sensing)
+        return jnp.stack(model.readings(t, y))
+
+    # The prior takes their rates too. What an effect of the motion does is in the states; the
+    # accelerations, of which a sensor's delay takes the square of the delay, are those of the
+    # pendulum without.
+    @jax.jit
+    def and_rates(t, y, q):
+        model = layout.model(q[: len(slots)], *at_piece(q), layout.sensing)
         f = lambda t, y: jnp.stack(model.readings(t, y))  # noqa: E731
         rates = model.derivative(t, y)
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
         return jnp.concatenate([h, dh])
 
-    # What acts on the motion alone reaches the readings through the states only.
-    depends = set(layout.depends(layout.sensing)) & set(layout.estimable)
-    value, by_state, by_slot = _derivatives(readings, block.ts, y, wide, depends)
+    def at_piece(q):
+        """The piece of a measured drive, which comes after the slots."""
+        return (q[len(slots) : -1], q[-1]) if measured else (None, None)
+
+    def begin(x):
+        return jnp.take_along_axis(x, block.begins, axis=0)
+
+    arguments = (*wide, *piece, left) if measured else wide
     s = run.s.transpose(2, 3, 1, 0)  # (c, m, n, L)
-    jac = sum(by_state[k][:, None] * s[k][None] for k in range(4))  # (4, m, n, L)
-    nc = len(y)
-    jac = jac.at[:, nc:].add(jnp.take(by_slot, directions, axis=1))
+    value, jac = observed(readings, block.ts, y, arguments, s)
+    first = tuple(begin(q) for q in arguments)
+    lane = jnp.arange(block.ts.shape[1])
+    prior, prior_jac = observed(
+        and_rates, begin(block.ts), tuple(map(begin, y)), first, s[:, :, block.begins, lane]
+    )
     weight = block.weight.transpose(1, 0, 2)
     prior_weight = block.prior_weight.transpose(1, 0, 2)
-    r = (value[:2] - block.data.transpose(1, 0, 2)) * weight
-    prior_r = (value - block.prior.transpose(1, 0, 2)) * prior_weight
+    r = (value - block.data.transpose(1, 0, 2)) * weight
+    prior_r = (prior - block.prior.transpose(1, 0, 2)) * prior_weight
     return Linearised(
         r=r.transpose(2, 1, 0),
-        jac=(jac[:2] * weight[:, None]).transpose(3, 2, 0, 1),
+        jac=(jac * weight[:, None]).transpose(3, 2, 0, 1),
         prior_r=prior_r.transpose(2, 1, 0),
-        prior_jac=(jac * prior_weight[:, None]).transpose(3, 2, 0, 1),
+        prior_jac=(prior_jac * prior_weight[:, None]).transpose(3, 2, 0, 1),
         states=run.y,
         complete=run.complete & jnp.all(jnp.isfinite(r), axis=(0, 1)),
         steps=run.steps,

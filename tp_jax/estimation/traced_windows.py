@@ -67,7 +67,7 @@ def traced(
     begin = np.zeros((blocks, n, LANES), int)
     found = problem.blocks()
     for b, (which, places, _) in enumerate(found):
-        for i, (_, lane, at) in zip(which, places, strict=True):
+        for i, (_, lane, at, _) in zip(which, places, strict=True):
             recording[b, lane] = problem.windows.recording[i]
             start_states[b, at, :, lane] = states[i]
             start_gain[b, at, :, lane] = gain[i]
@@ -131,6 +131,7 @@ def evaluate(
         jac = out.jac[..., 4:][..., t.place] * by
         jac = jac + jnp.einsum("lnck,knlu->lncu", out.jac[..., :4], follow)
         prior = out.prior_jac[..., 4:][..., t.place] * by
+        follow = follow[:, block.begins, lane]
         prior = prior + jnp.einsum("lnck,knlu->lncu", out.prior_jac[..., :4], follow)
         r, factor = robustify(out.r, loss, jnp)
         r = jnp.concatenate([r.reshape(-1), out.prior_r.reshape(-1)])

@@ -19,11 +19,15 @@ log = logging.getLogger(__name__)
 LEVEL = 0.05  # family-wise level of the test of structure
 REFITTED = (6, 4, 4)  # candidates refitted in each round
 ALWAYS, SETTLED = 3, 0.05  # once so many are refitted and so little of the gap is left, stop
+BY_CHANCE = 2.0  # standard deviations of a sum of squares of noise alone
 EARNS = 2.5  # standard errors by which a cause must lower the left-out cost
 TIE, TIE_PART = 2.0, 0.1  # tied: within two standard errors, and within a tenth of the gain
 LONGER = 2  # times that windows are made three times as long, where that is done
 LENGTHEN = 1.15  # chi2/dof of the final model above which it is fitted on longer windows too
 MOST_PART = 0.5  # of the removable gap: a cause that takes so much is not asked for its scatter
+SURELY = 5.0  # standard deviations of chance, for a gap to be one
+LIKELIER, PER_AMPLITUDE = 16.0, 4.0  # twice a logarithm of likelihoods, of many candidates
+NOISE_ALONE = 0.1  # of the noise's variance: three standard errors of that and more
 LEAST_PART = 0.01  # of the removable gap that a cause must take with it
 
 
@@ -73,43 +77,53 @@ def choose(
     noise_only = max(removable(baseline), 0.0)
     for n in range(len(REFITTED) + 1):
         progress("screening the catalogue", None)
-        seen = screen(current.fit, setting, skip=current.ids)
-        structure = structure_test(seen.scored, seed)
-        log.info("round %d: structure p %.4g", n + 1, structure.p)
+        # Beside a cause, effects with states take programs of their own: they wait until something
+        # is left that others see, as they would (what has a memory looks much like what has none).
+        seen = screen(current.fit, setting, skip=current.ids, states=not current.ids)
+        structure = structure_test(seen, seed)
         # A cause takes something worth telling with it, and so must be more than what is left.
-        settled = bool(current.ids) and removable(current.fit) <= LEAST_PART * noise_only
-        if structure.p >= LEVEL or settled or n == len(REFITTED):
+        promised = max((s.drop for s in seen.scored), default=0.0)
+        settled = bool(current.ids) and promised <= LEAST_PART * noise_only
+        last = settled or n == len(REFITTED)
+        if current.ids and structure.p < LEVEL and not last:
+            seen = screen(current.fit, setting, skip=current.ids)
+            structure = structure_test(seen, seed)
+        log.info("round %d: structure p %.4g", n + 1, structure.p)
+        if structure.p >= LEVEL or last:
             rounds.append(Round(current.fit, seen, structure, {}, {}, None))
             break
         block = blocks_of(current.fit, setting)
         reference = left_out_cost(current.fit)
         refits: dict[str, Refit] = {}
         gains: dict[str, tuple[float, float]] = {}
+        # Less than chance leaves of noise is not worth a search either.
+        enough = max(SETTLED * noise_only, BY_CHANCE * np.sqrt(2.0 * current.fit.dof))
         ranked = _worth_refitting(setting, seen, structure)[: REFITTED[n]]
         for i, s in enumerate(ranked):
             left = min((removable(r.fit) for r in refits.values()), default=np.inf)
-            if i >= ALWAYS and left < SETTLED * noise_only:
+            if i >= ALWAYS and left < enough:
                 break
             progress(f"refitting with {s.id}", i / len(ranked))
-            if i == 0 and s.variant.effect.n_states:
+            if i == 0 and s.variant.effect.n_states and not current.ids:
                 # The other effects with states are a burden that many fits would carry.
-                current.fit.problem.programs.add({*current.ids, s.id})
+                current.fit.problem.programs.add({s.id})
             trial = refit(setting, current.fit, [*current.variants, s.variant])
-            for better in (freed, regrown):
-                if i < ALWAYS and min(left, removable(trial.fit)) > SETTLED * noise_only:
-                    trial = better(setting, current.fit, trial)
+            if i < ALWAYS:
+                trial = freed(setting, current.fit, trial)
+                if min(left, removable(trial.fit)) > enough:
+                    trial = regrown(setting, current.fit, trial)
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         best = _most_promising(refits, gains, block)
-        if _earned(*gains[best], noise_only):
+        if _earned(*gains[best], noise_only, refits[best]):
             # What comes next is a look at every effect beside those that are in.
             programs = current.fit.problem.programs
-            current.fit.problem.compile_ahead(programs.moving & {*current.ids, best})
+            current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
         progress(f"polishing {best}", None)
         polished = polish(setting, refits[best])
         refits[best] = polished
         gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
-        taken = best if _earned(drop, error, noise_only) else None
+        taken = best if _earned(drop, error, noise_only, polished) else None
         rounds.append(Round(current.fit, seen, structure, refits, gains, taken))
         log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
         if taken is None:
@@ -122,14 +136,26 @@ def choose(
     return Choice(baseline, tuple(rounds), current)
 
 
-def _earned(drop: float, error: float, gap: float) -> bool:
+def _earned(drop: float, error: float, gap: float, result: Refit) -> bool:
     """Whether a fall of the left-out sum of squares makes a cause of an effect.
 
-    A cause that shows in a few blocks only has a large scatter and is no less real: half of the gap
-    gone from data left out is enough.
+    A cause that shows in a few blocks only has a large scatter and is no less real: half of a gap
+    that is there beyond chance, gone from data left out, is enough; and so is a likelihood ratio
+    where the effect leaves noise alone, since then it is one.
+
+    Args:
+        drop, error: fall and its standard error. gap: of the baseline, in the same unit.
+        result: the fit with it.
     """
-    sure = drop > EARNS * error or drop > MOST_PART * gap
-    return sure and drop > LEAST_PART * gap
+    if drop <= LEAST_PART * gap:
+        return False
+    chance = np.sqrt(2.0 * result.fit.dof)
+    ratio = LIKELIER + PER_AMPLITUDE * len(result.variants[-1].unknowns)
+    return bool(
+        drop > EARNS * error
+        or (gap > SURELY * chance and drop > MOST_PART * gap)
+        or (removable(result.fit) < NOISE_ALONE * result.fit.dof and drop > ratio)
+    )
 
 
 def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:

@@ -4,9 +4,9 @@ Each recording is cut into contiguous parts; a fold is one part of every recordi
 each: how runs begin (the rider slips on all of them then) is not left out at once. Leaving a fold
 out moves the unknowns by one Newton step, which the windows' gradients and information matrices
 give without any simulation. Nuisances of a recording stay as they are, like the window states:
-they are estimated wherever there is a recording. What says nothing about an amplitude once a fold
-is gone (a decay is still after a second) leaves it at zero, not anywhere; and a combination of
-unknowns that hardly matters (Ts1, Tst, T0) is not sent to where the linearisation means nothing.
+they are estimated wherever there is a recording. A combination of unknowns of which only one fold
+tells (a decay is still after a second), or none (Ts1, Tst, T0), is not sent to where the
+linearisation means nothing.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from tp_jax.estimation.least_squares import Fit, parameter
 FOLDS = 5
 NUISANCES = ("zero1", "zero2", "phase")
 UNSEEN = 1e-6  # of the largest: a combination of unknowns with less information stays put
-WIDE = 3.0  # typical sizes; how far an amplitude may be without any data
+MOST_LEFT_OUT = 0.95  # of what is known of anything: beyond, one Newton step means nothing
 
 
 def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
@@ -38,24 +38,34 @@ def left_out_cost(fit: Fit) -> np.ndarray:
     g = fit.eliminated.g[:, free]
     H = fit.eliminated.H[:, free][:, :, free]
     total = fit.information()[np.ix_(free, free)]
-    ridge, pull = np.zeros(len(names)), np.zeros(len(names))
-    for i, u in enumerate(names):
-        spec = parameter(fit.problem, u)
-        if "." in u.name and spec.transform == "identity":  # an amplitude; its null is zero
-            ridge[i] = 1.0 / (WIDE * spec.typical) ** 2
-            pull[i] = ridge[i] * fit.values.get(u.name, u.recording)
-    total = total + np.diag(ridge)
+    pull = np.zeros(len(names))  # half the gradient of the priors
+    for a in fit.anchors:
+        if a.unknown in names:
+            spec, x = parameter(fit.problem, a.unknown), _value(fit, a.unknown)
+            off = float(spec.to_coordinate(x)) - a.centre
+            pull[names.index(a.unknown)] += off / (a.sd**2 * spec.slope(x))
     scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
+    # coordinates in which all that is known makes a unit matrix
+    value, vector = np.linalg.eigh(total / np.outer(scale, scale))
+    seen = value > UNSEEN * value.max(initial=0.0)
+    white = vector[:, seen] / np.sqrt(value[seen]) / scale[:, None]
+    g, H, pull = g @ white, white.T @ H @ white, white.T @ pull
+    # A fit that ended early is taken for what it is near to: what is left of its gradient says
+    # nothing about any fold.
+    at_optimum = g - H @ (g.sum(axis=0) + pull)
     fold = folds(fit)
     cost = fit.eliminated.cost.copy()
     for k in np.unique(fold):
         out = fold == k
-        gk, Hk = g[out].sum(axis=0) / scale, H[out].sum(axis=0) / np.outer(scale, scale)
-        rest = total / np.outer(scale, scale) - Hk
-        move = np.linalg.pinv(rest, rcond=UNSEEN, hermitian=True) @ (gk - pull / scale)
-        move = move / scale
+        part, axes = np.linalg.eigh(H[out].sum(axis=0))
+        rest = 1.0 - np.minimum(part, MOST_LEFT_OUT)
+        move = axes @ ((axes.T @ at_optimum[out].sum(axis=0)) / rest)
         cost[out] += 2.0 * g[out] @ move + np.einsum("u,wuv,v->w", move, H[out], move)
     return cost
+
+
+def _value(fit: Fit, unknown: Unknown) -> float:
+    return fit.values.get(unknown.name, unknown.recording)
 
 
 def _moves(fit: Fit, unknown: Unknown) -> bool:

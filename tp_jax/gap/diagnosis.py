@@ -332,13 +332,13 @@ def _next(setting: Setting, choice: Choice, no_gap: bool) -> dict | None:
     if no_gap:
         return None
     first = choice.rounds[0]
-    best = first.screen.best()
-    lead = choice.causes[0] if choice.causes else (best[0].id if best else None)
-    if lead is None:
-        return None
+    best = [s for s in first.screen.best() if not _by_recording(s)]
     scored = {s.id: s for s in best}
+    lead = choice.causes[0] if choice.causes else (best[0].id if best else None)
+    if lead not in scored:
+        return None
     rivals = sorted(
-        (s for s in best if s.id != lead and not _by_recording(s)),
+        (s for s in best if s.id != lead),
         key=lambda s: -detectability.cosine(first.screen, scored[lead], s),
     )
     for rival in rivals[:1]:

@@ -10,8 +10,8 @@ import numpy as np
 from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import SENSORS, Values
-from tp_jax.estimation.least_squares import fit
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.held_out import carried_over
 from tp_jax.model.pendulum import AbstractTorsionPendulum

@@ -9,7 +9,8 @@ import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import Fit, fit
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances
 

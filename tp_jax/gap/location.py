@@ -10,7 +10,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.problem import Linearisation, spread
-from tp_jax.gap.choice import Choice
+from tp_jax.gap.choice import LEVEL, Choice
 from tp_jax.gap.free_torques import free_columns
 from tp_jax.gap.refit import removable
 from tp_jax.gap.variance_components import VarianceComponents, attribute
@@ -35,9 +35,10 @@ class Share:
 def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
     """Shares by location, largest first; they sum to one.
 
-    Causes that explain the gap say where it lies: each has what it took with it when it was added.
-    Otherwise what is left free in every window does (`free_torques`), which needs no cause; within
-    a channel it is the location of a cause, or else of the effect that would help most there.
+    Causes that explain the gap, or leave no structure, say where it lies: each has what it took
+    with it when it was added. Otherwise what is left free in every window does (`free_torques`),
+    which needs no cause; within a channel it is the location of a cause, or else of the effect that
+    would help most there.
     """
     total = max(removable(choice.baseline), 1e-12)
     taken: dict[str, float] = {}
@@ -50,7 +51,8 @@ def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
         taken[location] = taken.get(location, 0.0) + drop
         when.setdefault(location, describe(r, location))
     last = [r.refits[r.taken].fit for r in choice.rounds if r.taken is not None][-1:]
-    if last and removable(last[0]) <= (1.0 - EXPLAINED) * total:
+    # Of a small gap the noise's own uncertainty is a large part; then no structure left will do.
+    if last and (removable(last[0]) <= (1.0 - EXPLAINED) * total or choice.structure.p >= LEVEL):
         norm = sum(taken.values())
         ranked = sorted(taken.items(), key=lambda kv: -kv[1])
         return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]

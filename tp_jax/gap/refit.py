@@ -9,12 +9,18 @@ import numpy as np
 from tp_jax.effects import Effect
 from tp_jax.estimation.baseline import Setting, handed_on
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Anchor, Fit, fit, parameter
+from tp_jax.estimation.least_squares import Anchor, Fit, parameter
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.directions import Variant, variants
 
 log = logging.getLogger(__name__)
 
+#: Typical sizes within which an amplitude is expected. It matters where a recording says nothing of
+#: its own (the friction of a rider that never slides): it would be sent to a bound, and the step
+#: with it to nowhere.
+WIDE = 3.0
+COARSE, COARSE_PART = 0.2, 1e-3
 MOST_SAMPLES = 1000  # of a window; longer ones take a program of their own for little
 ZERO1_SD = 1.0  # rad; the zero of an angle sensor may be anywhere
 ZERO2_SD = 0.3  # rad; where the rider is put is not known, but it is read as about zero
@@ -67,9 +73,8 @@ def refit(
     *,
     horizon: float | None = None,
     max_iterations: int = 20,
-    relative: float = 1e-3,
 ) -> Refit:
-    """Adds effects to a fit and finds the new optimum.
+    """Adds effects to a fit and finds the new optimum, coarsely: only the best is polished.
 
     Args:
         setting: the campaign.
@@ -77,7 +82,7 @@ def refit(
         variants: effects with shape constants, those of `before` included.
         start: amplitudes to start from, by slot; what `before` has if None.
         horizon: window length; that of `before` if None.
-        max_iterations, relative: see `least_squares.fit`; coarse, since only the best is polished.
+        max_iterations: see `least_squares.fit`.
     """
     unknowns = list(setting.unknowns())
     values = before.values
@@ -85,6 +90,7 @@ def refit(
     for v in variants:
         values = values.replace(v.settings)
         unknowns += [u for u in v.unknowns if u not in unknowns]
+    anchors += [Anchor(u, 0.0, WIDE) for v in variants for u in v.unknowns]
     unknowns += [u for u in extra if u not in unknowns]
     if start:
         values = _moved(values, start)
@@ -96,14 +102,22 @@ def refit(
     base = [a for a in base if a.unknown not in {b.unknown for b in anchors}]
     result = fit(
         problem, values, unknowns, states, bounds=setting.bounds, anchors=[*base, *anchors],
-        max_iterations=max_iterations, relative=relative,
+        max_iterations=max_iterations, tolerance=_coarse(before), relative=0.0,
     )  # fmt: skip
     log.info("%s: chi2/dof %.4g, %s", "+".join(v.effect.id for v in variants),
              result.chi2_dof, result.message)  # fmt: skip
     return Refit(result, tuple(variants))
 
 
-def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15) -> Refit:  # noqa: ARG001
+def _coarse(before: Fit) -> float:
+    """Drop of the sum of squares that is not worth another step, of what may be removed at all.
+
+    In parts of the whole sum, which is mostly noise, a small effect would not be worth the first.
+    """
+    return max(COARSE, COARSE_PART * removable(before))
+
+
+def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15) -> Refit:
     """The same effects, the last one's continuous shape constants fitted too.
 
     A point of the grid may be far enough from the truth to look like another effect.
@@ -112,7 +126,7 @@ def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15)
     if not any(s.continuous for s in last.effect.shapes):
         return trial
     unknowns, bounds = _with_shapes(setting, trial)
-    found = _again(trial.fit, trial.fit.values, unknowns, bounds, max_iterations, relative=1e-3)
+    found = _again(trial.fit, trial.fit.values, unknowns, bounds, max_iterations, _coarse(before))
     return Refit(found, (*trial.variants[:-1], _at(last, found.values)))
 
 
@@ -167,7 +181,8 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     for variant in variants(last.effect, setting):
         found = fit(
             problem, start.replace(variant.settings), unknowns, bounds=setting.bounds,
-            anchors=trial.fit.anchors, max_iterations=max_iterations // 2, relative=1e-2,
+            anchors=trial.fit.anchors, max_iterations=max_iterations // 2,
+            tolerance=10.0 * _coarse(before), relative=0.0,
         )  # fmt: skip
         if best is None or found.cost < best.cost:
             best, chosen = found, variant
@@ -177,7 +192,7 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
         best = fit(
             problem, best.values, unknowns, handed_on(best, problem),
             bounds=setting.bounds, anchors=trial.fit.anchors, max_iterations=max_iterations,
-            relative=1e-3,
+            tolerance=_coarse(before), relative=0.0,
         )  # fmt: skip
     log.info("%s regrown, %s: chi2/dof %.4g, %s",
              "+".join(trial.ids), chosen.shapes, best.chi2_dof, best.message)  # fmt: skip
@@ -217,11 +232,11 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
 
 
 def _again(
-    before: Fit, values: Values, unknowns, bounds, max_iterations: int, relative: float = 1e-7
+    before: Fit, values: Values, unknowns, bounds, max_iterations: int, tolerance: float = 0.02
 ) -> Fit:
     return fit(
         before.problem, values, unknowns, before.states, bounds=bounds, anchors=before.anchors,
-        max_iterations=max_iterations, relative=relative,
+        max_iterations=max_iterations, tolerance=tolerance, relative=1e-7,
     )  # fmt: skip
 
 

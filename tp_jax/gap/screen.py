@@ -48,10 +48,16 @@ class Scored:
 
 @dataclasses.dataclass(frozen=True)
 class Screen:
-    """All effects and grid points; `information` is over all their columns, efficient."""
+    """All effects and grid points.
+
+    information: (E, E) over all their columns, efficient; information_by_block: (B, E, E) its
+    parts, which are the covariances of the blocks' scores where nothing but noise is in them; one
+    more if there is a calibration's error, for what that may do to their sum.
+    """
 
     scored: tuple[Scored, ...]
     information: np.ndarray
+    information_by_block: np.ndarray
     not_applicable: dict[str, str]
 
     def best(self) -> list[Scored]:
@@ -63,19 +69,20 @@ class Screen:
         return sorted(top.values(), key=lambda s: -s.drop)
 
 
-def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
+def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = True) -> Screen:
     """Scores every effect that applies and is not in the fit already.
 
     Args:
         fit: a fit at its optimum.
         setting: the campaign.
         skip: ids to leave out (those in the fit).
+        states: whether effects with states of their own are looked at.
     """
     missing: dict[str, str] = {}
     every: list[Variant] = []
     for effect in setting.layout.effects:
         reason = why_not(effect, setting)
-        if effect.id in skip:
+        if effect.id in skip or (effect.n_states and not states):
             continue
         if reason:
             missing[effect.id] = reason
@@ -123,6 +130,12 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
     block = blocks_of(fit, setting)
     by_block = np.zeros((block.max() + 1, score.shape[1]))
     np.add.at(by_block, block, score)
+    V_by_block = np.zeros((block.max() + 1, *V.shape))
+    follow = np.concatenate([-gain, np.eye(V.shape[0])])
+    np.add.at(V_by_block, block, follow.T @ elim.H @ follow)
+    if nb > len(base):
+        prior = gain[len(base) :]
+        V_by_block = np.concatenate([V_by_block, (prior.T @ prior)[None]])
     total = g[nb:] - g[:nb] @ gain
     scored = []
     for variant, rows in order:
@@ -135,7 +148,7 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = ()) -> Screen:
                 -gain[: len(base), rows] @ estimate, rows,
             )
         )  # fmt: skip
-    return Screen(tuple(scored), V, missing)
+    return Screen(tuple(scored), V, V_by_block, missing)
 
 
 def pseudo_inverse(V: np.ndarray) -> np.ndarray:

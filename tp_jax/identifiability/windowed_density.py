@@ -42,13 +42,14 @@ _NUISANCES = frozenset(p.name for p in NUISANCES)
 class Part(NamedTuple):
     """One block of windows: its data, and where each window (w,) stands in it.
 
-    lane, at, count: (w,); p: (P, L) numbers of the lanes; slots: (u,) of the unknowns; states: (w,
-    4) at the fit; gain: (w, 4, u) how they follow the unknowns.
+    lane, at, rank, count: (w,); p: (P, L) numbers of the lanes; slots: (u,) of the unknowns;
+    states: (w, 4) at the fit; gain: (w, 4, u) how they follow the unknowns.
     """
 
     block: Block
     lane: Array
     at: Array
+    rank: Array
     count: Array
     p: Array
     states: Array
@@ -147,10 +148,11 @@ def _parts(fit: Fit) -> tuple[Part, ...]:
     elim = eliminate(lin.r, lin.states_jac, spread(lin, fit.unknowns))
     parts = []
     for which, places, block in problem.blocks():
-        _, lane, at = places.T
+        _, lane, at, rank = places.T
         p = np.repeat(fit.values.table[:, :1], LANES, axis=1)
         p[:, lane] = fit.values.table[:, problem.windows.recording[which]]
-        arrays = (lane, at, problem.windows.count[which], p, states[which], elim.state_gain[which])
+        count, gain = problem.windows.count[which], elim.state_gain[which]
+        arrays = (lane, at, rank, count, p, states[which], gain)
         parts.append(Part(block, *(jnp.asarray(a) for a in arrays)))
     return tuple(parts)
 
@@ -201,9 +203,9 @@ def _part(layout, tolerances, longest, part: Part, data: Data, x: Array):
     r = jnp.where(inside[..., None], out.r[part.lane[:, None], row], 0.0)
     jac = jnp.where(inside[..., None, None], out.jac[part.lane[:, None], row], 0.0)
     w = r.shape[0]
-    r = jnp.concatenate([r.reshape(w, -1), out.prior_r[part.lane, part.at]], axis=1)
+    r = jnp.concatenate([r.reshape(w, -1), out.prior_r[part.lane, part.rank]], axis=1)
     jac = jnp.concatenate(
-        [jac.reshape(w, -1, jac.shape[-1]), out.prior_jac[part.lane, part.at]], axis=1
+        [jac.reshape(w, -1, jac.shape[-1]), out.prior_jac[part.lane, part.rank]], axis=1
     )
     own, by_x = jac[..., :4], jac[..., 4:]
     hxx = jnp.einsum("wmi,wmj->wij", own, own)

@@ -1,0 +1,62 @@
+"""Windows are put into lanes so that all lanes take about as long, and none twice."""
+
+import numpy as np
+import pytest
+
+from tp_jax.estimation.placement import SHORTEST, place
+from tp_jax.estimation.windows import Windows
+
+WIDTH = 8
+
+
+def windows(counts_by_recording):
+    recording = np.repeat(np.arange(len(counts_by_recording)), list(map(len, counts_by_recording)))
+    count = np.concatenate(counts_by_recording)
+    first = np.concatenate([np.cumsum(c) - c for c in counts_by_recording])
+    return Windows(recording, first, count, 1.0)
+
+
+def loads(places, cost):
+    lanes = places[:, 0] * WIDTH + places[:, 1]
+    return np.bincount(lanes, cost, minlength=WIDTH * (places[:, 0].max() + 1))
+
+
+@pytest.mark.parametrize("size", [9, 50, 210])
+def test_every_window_has_a_place_of_its_own(size):
+    rng = np.random.default_rng(size)
+    w = windows([np.full(2500 // size, size)] * 5)
+    places = place(w, rng.gamma(2.0, size=w.n), 1024, WIDTH)
+    taken = set()
+    for (block, lane, at, rank), count, recording in zip(places, w.count, w.recording, strict=True):
+        assert 0 <= lane < WIDTH
+        assert at + count <= 1024
+        assert rank < 1024 // SHORTEST
+        mine = {(block, lane, at + i) for i in range(count)}
+        assert not mine & taken
+        taken |= mine
+        same = (places[:, 0] == block) & (places[:, 1] == lane)
+        assert set(w.recording[same]) == {recording}
+        before = same & (places[:, 2] < at)
+        assert before.sum() == rank
+        assert w.count[before].sum() == at
+
+
+def test_blocks_end_together():
+    """What a block takes is its slowest lane."""
+    w = windows([np.full(60, 40)] * 5)
+    cost = np.where(w.recording < 2, 4.0, 1.0)
+    found = loads(place(w, cost, 1024, WIDTH), cost).reshape(-1, WIDTH)
+    assert WIDTH * found.max(axis=1).sum() < 1.3 * cost.sum()
+
+
+def test_few_windows_are_spread_over_all_lanes():
+    w = windows([np.full(12, 200)])
+    found = loads(place(w, np.ones(12), 1024, WIDTH), np.ones(12))
+    assert found.size == WIDTH
+    assert found.max() == 2.0
+
+
+def test_many_tiny_windows_do_not_crowd_a_lane():
+    w = windows([np.full(400, 2)])
+    places = place(w, np.ones(400), 1024, WIDTH)
+    assert places[:, 3].max() < 1024 // SHORTEST

@@ -1,0 +1,97 @@
+"""Which windows share a lane, so that all lanes of a block end at about the same time.
+
+A block is done when its slowest lane is, and what a window costs differs by a factor of four: a
+reversal of either velocity takes as many steps as some eighty samples between reversals. Windows
+are given to lanes by what they are expected to cost, the costly ones first, each to the lane that
+has least (Graham, 1969, SIAM J. Appl. Math. 17, 416-429).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tp_jax.estimation.windows import Prepared, Windows
+
+PER_SAMPLE, PER_REVERSAL = 0.56, 43.0  # steps of the engine
+SHORTEST = 8  # samples: a window takes as much room at least, so that a lane holds not too many
+AT_REST = 3.0  # standard errors below which a velocity has no sign
+
+
+def expected_steps(windows: Windows, prepared: Sequence[Prepared]) -> np.ndarray:
+    """Steps (w,) that windows will take, from the readings alone."""
+    passed = []  # reversals until each sample
+    for p in prepared:
+        total = np.zeros(p.t.size)
+        for c in np.flatnonzero(p.channels):
+            v = p.smooth[:, 2 + c]
+            moving = np.flatnonzero(np.abs(v) > AT_REST * p.smooth_sd[:, 2 + c])
+            turned = np.flatnonzero(np.diff(np.sign(v[moving])) != 0.0)
+            total[moving[turned + 1]] += 1.0
+        passed.append(np.cumsum(total))
+    last = windows.first + windows.count - 1
+    reversals = np.array([
+        passed[r][b] - passed[r][a]
+        for r, a, b in zip(windows.recording, windows.first, last, strict=True)
+    ])  # fmt: skip
+    return PER_SAMPLE * windows.count + PER_REVERSAL * reversals
+
+
+def place(windows: Windows, cost: np.ndarray, capacity: int, width: int) -> np.ndarray:
+    """Block, lane within it, first sample within the lane, and rank there of every window (w, 4).
+
+    A lane has one set of numbers, so it holds windows of one recording only. There are as many
+    blocks as the samples need.
+
+    Args:
+        windows: what is to be placed. cost: (w,) of each.
+        capacity: samples of a lane. width: lanes of a block.
+    """
+    groups = [np.flatnonzero(windows.recording == r) for r in np.unique(windows.recording)]
+    room_for = np.maximum(windows.count, SHORTEST)
+    lanes = [_least(room_for[g], cost[g], capacity) for g in groups]
+    room = -(-sum(map(len, lanes)) // width) * width - sum(map(len, lanes))
+    for _ in range(room):  # one more for the recording whose slowest lane is the slowest of all
+        worst = [max(cost[g[lane]].sum() for lane in at) if len(at) < g.size else -1.0
+                 for g, at in zip(groups, lanes, strict=True)]  # fmt: skip
+        i = int(np.argmax(worst))
+        if worst[i] < 0.0:
+            break
+        g = groups[i]
+        more = _shared(room_for[g], cost[g], capacity, len(lanes[i]) + 1)
+        if more is None:
+            break
+        lanes[i] = more
+    every = [np.sort(g[lane]) for g, at in zip(groups, lanes, strict=True) for lane in at]
+    every.sort(key=lambda lane: -cost[lane].sum())  # slow ones together
+    places = np.zeros((windows.n, 4), dtype=int)
+    for i, lane in enumerate(every):
+        places[lane, 0], places[lane, 1] = divmod(i, width)
+        places[lane, 2] = np.cumsum(windows.count[lane]) - windows.count[lane]
+        places[lane, 3] = np.arange(lane.size)
+    return places
+
+
+def _least(count: np.ndarray, cost: np.ndarray, capacity: int) -> list[np.ndarray]:
+    """Windows of one recording in as few lanes as hold them."""
+    n = -(-int(count.sum()) // capacity)
+    while True:
+        found = _shared(count, cost, capacity, n)
+        if found is not None:
+            return found
+        n += 1
+
+
+def _shared(count: np.ndarray, cost: np.ndarray, capacity: int, n: int) -> list[np.ndarray] | None:
+    """Windows in n lanes of about the same cost; None where they do not fit."""
+    load, used = np.zeros(n), np.zeros(n, dtype=int)
+    members: list[list[int]] = [[] for _ in range(n)]
+    for i in np.argsort(-cost, kind="stable"):
+        i = int(i)
+        fits = np.flatnonzero(used + count[i] <= capacity)
+        if not fits.size:
+            return None
+        lane = int(fits[np.argmin(load[fits])])
+        members[lane].append(i)
+        load[lane] += cost[i]
+        used[lane] += count[i]
+    return [np.array(m, dtype=int) for m in members if m]
