@@ -50,6 +50,16 @@ def test_partly_explained_is_not_called_explained(made):
     assert said.how_far.startswith("With them in the model, 49 %")
 
 
+def test_a_cause_without_anything_left_is_not_called_a_part(made):
+    diagnosis = made("partly")
+    diagnosis["gap"]["structure_p_after"] = 0.4
+    said = sentences(diagnosis)
+    assert said.heading == "A cause was found, but not for certain how far the gap shrinks"
+    assert said.what.startswith("The likeliest causes: ")
+    assert "contact_stribeck" in said.what
+    assert said.left == ""
+
+
 def test_a_gap_that_grew_is_said_to(made):
     diagnosis = made("partly")
     diagnosis["gap"] |= {"shrink": -0.2, "shrink_ci95": None}

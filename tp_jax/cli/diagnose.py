@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> None:
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:
-        from tp_jax.report.text import summary
+        from tp_jax.report.terminal import show
 
-        print(summary(result))
+        show(result)
         print(f"\nReport: {report}")

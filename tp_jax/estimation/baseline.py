@@ -15,6 +15,7 @@ import numpy as np
 from tp_jax.effects import Effect, catalogue
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.least_squares import Anchor, Fit
+from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.problem import Problem, sample_capacity
 from tp_jax.estimation.program import Programs
 from tp_jax.estimation.start import start_from_data
@@ -31,6 +32,8 @@ Progress = Callable[[str, float | None], None]
 #: Tst and T0 are nearly confounded with Ts1; without any slip T0 is free. A wide prior on log T0
 #: keeps the steps finite and is reported as unidentifiable where it decides.
 T0_PRIOR = (np.log(5.0), 2.0)
+
+POOR = 2.0  # chi2/dof of a fit to the shortest windows that is looked for another way too
 
 RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
 
@@ -264,12 +267,16 @@ def grow(
         eps = setting.eps if last else float(ladder[i])
         values = values.replace({"eps1": eps, "eps2": eps})
         states = None if result is None else handed_on(result, problem)
-        result = fit(
-            problem, values, unknowns, states, bounds=setting.bounds,
-            anchors=[a for a in setting.anchors() if a.unknown in unknowns],
-            max_iterations=max_iterations,
-            relative=1e-3 if i + 1 < len(horizons) else 1e-7,
+        how = dict(
+            bounds=setting.bounds, anchors=[a for a in setting.anchors() if a.unknown in unknowns],
+            max_iterations=max_iterations, relative=1e-3 if i + 1 < len(horizons) else 1e-7,
         )  # fmt: skip
+        result = fit(problem, values, unknowns, states, **how)
+        if i == 0 and result.chi2_dof > POOR:
+            # The short windows choose the valley. Steps of states and unknowns together are shorter
+            # and go another way.
+            other = fit_together(problem, values, unknowns, states, **how)
+            result = min(result, other, key=lambda found: found.cost)
         values = result.values
         log.info("windows of %.3g s: chi2/dof %.4g, %s", horizon, result.chi2_dof, result.message)
     assert result is not None

@@ -16,7 +16,7 @@ from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.calibration import Floor, floor
-from tp_jax.gap.choice import Choice, cause_probabilities, choose, tied_by_gain
+from tp_jax.gap.choice import LEVEL, Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_run, start_state
 from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, shrink
@@ -24,7 +24,7 @@ from tp_jax.gap.location import locate
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.screen import Scored
 from tp_jax.gap.series import curves, recordings, residuals
-from tp_jax.gap.verdict import verdict
+from tp_jax.gap.verdict import EXPLAINED, verdict
 from tp_jax.recordings import Campaign, hold_out
 
 SCHEMA = "tp-jax/diagnosis/1"
@@ -160,7 +160,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "recordings": recordings(setting, start_before, start_after, bool(ids)),
         "curves": curves(setting, free_before, free_after if ids else None),
         "residuals": residuals(setting, before, after if ids else None, least),
-        "notes": _notes(setting, baseline, final, word, least),
+        "notes": _notes(setting, choice, final, word, least),
     }
 
 
@@ -353,7 +353,7 @@ def _by_recording(scored: Scored) -> bool:
     return any(u.recording is not None for u in scored.variant.unknowns)
 
 
-def _notes(setting: Setting, baseline: Fit, final: Refit, word: str, least: Floor) -> list[str]:
+def _notes(setting: Setting, choice: Choice, final: Refit, word: str, least: Floor) -> list[str]:
     notes = []
     if setting.campaign.B1 is None:
         notes.append(
@@ -371,11 +371,16 @@ def _notes(setting: Setting, baseline: Fit, final: Refit, word: str, least: Floo
             "an effect has to stand out from it."
         )
     notes.append(f"The friction's smoothing is eps = {setting.eps:g} s.")
-    if not final.fit.converged or not baseline.converged:
+    if not final.fit.converged or not choice.baseline.converged:
         notes.append("A fit ended at its iteration limit; its numbers may still move.")
     bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
     if bound:
         notes.append(f"At a bound: {', '.join(bound)}.")
-    if word == "unknown":
+    if word == "unknown" and final.ids and choice.structure.p >= LEVEL:
+        notes.append(
+            "The fitted recordings show no structure beside what is named, but the held-out ones "
+            f"do not show for certain that {EXPLAINED:.0%} of the gap is gone, as `explained` asks."
+        )
+    elif word == "unknown":
         notes.append("No effect of the catalogue explains the gap; what is named holds part of it.")
     return notes

@@ -67,6 +67,8 @@ def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
     heading, causes = _HEADINGS[kind], reading.causes(diagnosis)
     if kind == "unknown" and causes:
         heading = "The gap is explained only in part"
+        if _nothing_left(diagnosis):
+            heading = "A cause was found, but not for certain how far the gap shrinks"
     return Verdict(
         heading,
         _where(diagnosis),
@@ -111,6 +113,11 @@ def _what(diagnosis: Mapping[str, Any]) -> str:
             "outside the catalogue."
         )
     parts = [_cause(cause) for cause in causes]
+    if reading.verdict(diagnosis) != "explained" and _nothing_left(diagnosis):
+        return (
+            f"The likeliest {'cause' if len(parts) == 1 else 'causes'}: {'; '.join(parts)}; "
+            "the fitted recordings show no structure beside."
+        )
     if reading.verdict(diagnosis) != "explained":
         return f"Part of it comes from this: {'; '.join(parts)}."
     return f"The {'cause' if len(parts) == 1 else 'causes'}: {'; '.join(parts)}."
@@ -179,10 +186,16 @@ def _error(diagnosis: Mapping[str, Any]) -> str:
     return ""
 
 
+def _nothing_left(diagnosis: Mapping[str, Any]) -> bool:
+    """Whether the test of structure finds nothing beside the causes."""
+    p = reading.value(diagnosis, "gap", "structure_p_after")
+    return p is not None and p >= _LEVEL
+
+
 def _left(diagnosis: Mapping[str, Any]) -> str:
     """That the model with its causes is not complete, where the test of structure says so."""
     p = reading.value(diagnosis, "gap", "structure_p_after")
-    if p is None or p >= _LEVEL:
+    if p is None or _nothing_left(diagnosis):
         return ""
     return f"What is left still has structure ({p_value(p)}): something small is missing yet."
 
