@@ -116,7 +116,7 @@ def choose(
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         best = _most_promising(refits, gains, block)
         if _earned(*gains[best], noise_only, refits[best]):
-            # What comes next is a look at every effect beside those that are in.
+            # What comes next is a look at every effect without states beside those that are in.
             programs = current.fit.problem.programs
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
         progress(f"polishing {best}", None)
