@@ -82,3 +82,18 @@ def enable_compilation_cache() -> bool:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", CACHED_ABOVE)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", 0)
     return True
+
+
+def programs_folder() -> Path | None:
+    """Where traced programs are kept (`_stored`): beside JAX's cache, where that is ours."""
+    import jax
+
+    ours = cache_folder()
+    if jax.config.jax_compilation_cache_dir != str(ours):
+        return None
+    folder = ours.with_name("programs")
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError:
+        return None
+    return folder

@@ -74,6 +74,14 @@ class Layout:
         """Name to slot."""
         return {p.name: i for i, p in enumerate(self.parameters)}
 
+    @functools.cached_property
+    def described(self) -> str | None:
+        """The same in every process; None with effects from outside the package."""
+        kinds = [type(e) for e in self.effects]
+        if any(kind.__module__.split(".")[0] != __package__.split(".")[0] for kind in kinds):
+            return None
+        return f"{self.kind} {[f'{kind.__module__}.{kind.__qualname__}' for kind in kinds]}"
+
     def carried(self, ids: frozenset[str]) -> tuple[Effect, ...]:
         """The effects of some ids."""
         return tuple(e for e in self.effects if e.id in ids)

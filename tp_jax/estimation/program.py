@@ -5,18 +5,18 @@ step's cost, and most of what is compiled, is effects. One makes readings of wha
 numbers an effect has, and what is differentiated by, is data.
 """
 
-import contextlib
 import dataclasses
 import functools
-import threading
-from collections.abc import Callable, Collection, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import export
 from jaxtyping import Array, Bool, Float, Int
 
+from tp_jax._stored import Stored
 from tp_jax.estimation.layout import Layout
 from tp_jax.simulation.lanes import Integrated, Lanes, Tolerances, integrate
 
@@ -59,6 +59,10 @@ class Linearised(NamedTuple):
     states: Float[Array, "L n 4"]
     complete: Bool[Array, " L"]
     steps: Int[Array, " L"]
+
+
+for _kind in (Block, Linearised, Integrated):
+    export.register_namedtuple_serialization(_kind, serialized_name=f"tp_jax.{_kind.__name__}")
 
 
 class Programs:
@@ -172,35 +176,21 @@ def linearise(
         block: the data.
         directions: slots to differentiate by.
     """
-    if isinstance(x0, jax.core.Tracer):
-        run = _integrate(layout, tolerances, ids, p, x0, block, directions)
-        return _observe(layout, p, block, directions, run)
-    shapes = (p.shape, x0.shape, directions.shape, block.pieces is None)
-    with _compiling(("integrate", layout, tolerances, ids, *shapes)):
-        run = _integrate(layout, tolerances, ids, p, x0, block, directions)
-    with _compiling(("observe", layout, *shapes[:1], x0.shape[0], *shapes[2:])):
-        return _observe(layout, p, block, directions, run)
+    run = _integrate(layout, tolerances, ids, p, x0, block, directions)
+    return _observe(layout, p, block, directions, run)
 
 
-_compiled: set[tuple] = set()
-_locks: dict[tuple, threading.Lock] = {}
-_guard = threading.Lock()
+def _described(layout: Layout, *rest: Any) -> str | None:
+    """All that a program takes from static arguments; None with effects from outside the package.
+
+    (Whether the source of those is what it was, nobody can say.)
+    """
+    if layout.described is None:
+        return None
+    return repr((layout.described, *(sorted(x) if isinstance(x, frozenset) else x for x in rest)))
 
 
-@contextlib.contextmanager
-def _compiling(key: tuple) -> Iterator[None]:
-    """Lets one thread compile what several ask for, while the others wait for it."""
-    if key in _compiled:
-        yield
-        return
-    with _guard:
-        lock = _locks.setdefault(key, threading.Lock())
-    with lock:
-        yield
-        _compiled.add(key)
-
-
-@functools.partial(jax.jit, static_argnums=(0, 1, 2))
+@functools.partial(Stored, static=3, describe=_described)
 def _integrate(layout, tolerances, ids, p, x0, block, directions) -> Integrated:
     """States and tangents of a block's windows."""
     kind = (tolerances, block.pieces is None)
@@ -218,7 +208,7 @@ def _integrate(layout, tolerances, ids, p, x0, block, directions) -> Integrated:
     return run._replace(y=run.y[..., :4], s=s)
 
 
-@functools.partial(jax.jit, static_argnums=0)
+@functools.partial(Stored, static=1, describe=_described)
 def _observe(layout, p, block, directions, run) -> Linearised:
     """Readings of integrated windows, less the data."""
     slots = tuple(p)
@@ -302,7 +292,7 @@ def _derivatives(f, t, y, q, depends):
     return value, by_state, jnp.stack(by_slot, axis=1)
 
 
-@functools.partial(jax.jit, static_argnums=(0, 1))
+@functools.partial(Stored, static=2, describe=_described)
 def remember(
     layout: Layout,
     ids: frozenset[str],

@@ -1,0 +1,130 @@
+"""Traced programs kept between runs: found again, never the wrong one, no harm from a bad file."""
+
+import threading
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import pytest
+from jax import export
+
+from tp_jax import _stored
+from tp_jax._stored import Stored
+
+
+class Pair(NamedTuple):
+    a: jax.Array
+    b: jax.Array | None
+
+
+export.register_namedtuple_serialization(Pair, serialized_name="tests.Pair")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(_stored, "programs_folder", lambda: tmp_path)
+    return tmp_path
+
+
+class Traced:
+    """A function of a static factor, in as many processes as one likes, and its traces."""
+
+    def __init__(self, describe=repr):
+        self.traces, self.describe = [], describe
+
+    def process(self):
+        def scaled(factor, pair):
+            self.traces.append(factor)
+            return Pair(factor * pair.a, pair.b)
+
+        return Stored(scaled, 1, self.describe)
+
+
+def test_is_traced_once_for_all_processes(folder):
+    f = Traced()
+    for _ in range(3):
+        out = f.process()(2.0, Pair(jnp.arange(3.0), None))
+        assert isinstance(out, Pair)
+        assert out.a.tolist() == [0.0, 2.0, 4.0]
+        assert out.b is None
+    assert f.traces == [2.0]
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_another_for_other_static_arguments_shapes_and_trees(folder):
+    f = Traced()
+    calls = [
+        (2.0, Pair(jnp.ones(3), None)), (3.0, Pair(jnp.ones(3), None)),
+        (2.0, Pair(jnp.ones(4), None)), (2.0, Pair(jnp.ones(3), jnp.ones(1))),
+        (2.0, Pair(jnp.ones(3, dtype=int), None)),
+    ]  # fmt: skip
+    for _ in range(2):
+        process = f.process()
+        for factor, pair in calls:
+            assert (process(factor, pair).a == factor * pair.a).all()
+    assert len(f.traces) == len(list(folder.iterdir())) == len(calls)
+
+
+def test_another_for_another_source(folder, monkeypatch):
+    f, pair = Traced(), Pair(jnp.ones(3), None)
+    f.process()(2.0, pair)
+    monkeypatch.setattr(_stored, "_source", lambda: "changed")
+    f.process()(2.0, pair)
+    assert len(f.traces) == len(list(folder.iterdir())) == 2
+
+
+def test_what_cannot_be_described_is_not_kept(folder):
+    f = Traced(describe=lambda _: None)
+    for _ in range(2):
+        assert f.process()(2.0, Pair(jnp.ones(2), None)).a.tolist() == [2.0, 2.0]
+    assert len(f.traces) == 2
+    assert not list(folder.iterdir())
+
+
+def test_nothing_is_kept_without_a_cache(monkeypatch):
+    monkeypatch.setattr(_stored, "programs_folder", lambda: None)
+    assert Traced().process()(2.0, Pair(jnp.ones(2), None)).a.tolist() == [2.0, 2.0]
+
+
+@pytest.mark.parametrize("content", [b"", b"not a program", b"\0" * 400])
+def test_a_broken_file_does_no_harm(folder, content):
+    f, pair = Traced(), Pair(jnp.ones(2), None)
+    f.process()(2.0, pair)
+    (file,) = folder.iterdir()
+    file.write_bytes(content)
+    assert f.process()(2.0, pair).a.tolist() == [2.0, 2.0]
+    assert len(f.traces) == 2
+    f.process()(2.0, pair)  # writes it anew
+    f.process()(2.0, pair)
+    assert len(f.traces) == 3
+
+
+def test_a_folder_that_cannot_be_written_to_does_no_harm(tmp_path, monkeypatch):
+    monkeypatch.setattr(_stored, "programs_folder", lambda: tmp_path / "gone")
+    assert Traced().process()(2.0, Pair(jnp.ones(2), None)).a.tolist() == [2.0, 2.0]
+
+
+def test_traces_like_any_function(folder):
+    process = Traced().process()
+    value, slope = jax.jvp(lambda a: process(2.0, Pair(a, None)).a, (jnp.ones(2),), (jnp.ones(2),))
+    assert value.tolist() == slope.tolist() == [2.0, 2.0]
+
+
+def test_threads_wait_for_one_another(folder):
+    f = Traced()
+    process, results = f.process(), []
+
+    def call():
+        results.append(process(2.0, Pair(jnp.ones(3), None)).a.tolist())
+
+    threads = [threading.Thread(target=call) for _ in range(4)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert f.traces == [2.0]
+    assert results == [[2.0] * 3] * 4
+
+
+def test_digest_of_the_source_knows_every_file():
+    assert len(_stored._source()) == 64

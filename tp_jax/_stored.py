@@ -1,0 +1,119 @@
+"""Functions whose traced programs are kept between runs.
+
+JAX's persistent cache saves XLA's work and none of Python's: a program of a hundred effects is
+still traced and lowered anew in every process, which takes longer than to load what was compiled
+of it. So what is lowered is kept beside that cache (`_config.programs_folder`), under a name made
+of all that it depends on: the package's source, the versions of JAX, the arguments' shapes and a
+description of the static ones. A program from elsewhere is as dangerous as one in JAX's own cache;
+both lie in the user's cache folder.
+"""
+
+import contextlib
+import functools
+import hashlib
+import logging
+import os
+import tempfile
+import threading
+from collections.abc import Callable, Hashable
+from pathlib import Path
+from typing import Any
+
+import jax
+import jaxlib
+from jax import export
+
+from tp_jax._config import programs_folder
+
+log = logging.getLogger(__name__)
+
+
+class Stored:
+    """A compiled function of some static arguments, which come first, and of arrays.
+
+    Compiled once where several threads ask at the same time.
+    """
+
+    def __init__(
+        self, function: Callable[..., Any], static: int, describe: Callable[..., str | None]
+    ):
+        """Makes one.
+
+        Args:
+            function: of the static arguments and then pytrees of arrays.
+            static: number of static arguments; they must be hashable.
+            describe: of the static arguments, all that the program takes from them beside the
+                package's own source, the same in every process; None where that cannot be said,
+                and such a program is traced anew.
+        """
+        functools.update_wrapper(self, function)
+        self.function, self.static, self.describe = function, static, describe
+        self.jitted = jax.jit(function, static_argnums=tuple(range(static)))
+        self._ready: dict[Hashable, Callable[..., Any]] = {}
+        self._locks: dict[Hashable, threading.Lock] = {}
+        self._guard = threading.Lock()
+
+    def __call__(self, *args: Any) -> Any:
+        """The function's value; traceable, and then like any jitted function."""
+        static, arrays = args[: self.static], args[self.static :]
+        leaves, tree = jax.tree.flatten(arrays)
+        if any(isinstance(x, jax.core.Tracer) for x in leaves):
+            return self.jitted(*args)
+        shapes = tuple((x.shape, str(x.dtype)) for x in leaves)
+        key = (static, tree, shapes)
+        ready = self._ready.get(key)
+        if ready is not None:
+            return ready(*arrays)
+        with self._guard:
+            lock = self._locks.setdefault(key, threading.Lock())
+        with lock:
+            ready = self._ready.get(key)
+            if ready is None:
+                ready = self._program(static, arrays, f"{tree} {shapes}")
+            out = ready(*arrays)  # compiles it
+            self._ready[key] = ready
+        return out
+
+    def _program(self, static: tuple, arrays: tuple, shapes: str) -> Callable[..., Any]:
+        plain = functools.partial(self.jitted, *static)
+        folder, described = programs_folder(), self.describe(*static)
+        if folder is None or described is None:
+            return plain
+        about = (
+            self.function.__qualname__, described, shapes, _source(), jax.__version__,
+            jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
+        )  # fmt: skip
+        file = (
+            folder / f"{self.function.__name__}-{hashlib.sha256(repr(about).encode()).hexdigest()}"
+        )
+        try:
+            if file.is_file():
+                exported = export.deserialize(bytearray(file.read_bytes()))
+            else:
+                exported = export.export(jax.jit(functools.partial(self.function, *static)))(
+                    *arrays
+                )
+                _write(file, bytes(exported.serialize()))
+        except Exception as fault:  # whatever is wrong with a cache, there is another way
+            log.info("%s is not kept: %s", file.name, fault)
+            with contextlib.suppress(OSError):
+                file.unlink(missing_ok=True)
+            return plain
+        return jax.jit(exported.call)
+
+
+@functools.cache
+def _source() -> str:
+    """Digest of the package's source."""
+    root = Path(__file__).parent
+    digest = hashlib.sha256()
+    for file in sorted(root.rglob("*.py")):
+        digest.update(file.relative_to(root).as_posix().encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()
+
+
+def _write(file: Path, data: bytes) -> None:
+    """Whole or not at all, whoever else writes it."""
+    with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as part:
+        part.write(data)
+    os.replace(part.name, file)
