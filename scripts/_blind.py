@@ -14,6 +14,8 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
 from tp_jax.cli.faults import explain
 
+LAST = 12  # cases of a process, whose compiled programs add up
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     args = _parser().parse_args(argv)
@@ -105,8 +107,24 @@ def _over_all_cores(
     Tasks are (root, case, ...).
     """
     failed: dict[str, str] = {}
-    if not tasks or time.monotonic() > until:
-        return failed
+    for i in range(0, len(tasks), workers * LAST):
+        if time.monotonic() <= until:
+            part = tasks[i : i + workers * LAST]
+            done = i / len(tasks), len(part) / len(tasks)
+            failed |= _in_processes(
+                work, part, workers, until, lambda p, done=done: progress(done[0] + p * done[1])
+            )
+    return failed
+
+
+def _in_processes(
+    work: Callable[..., None],
+    tasks: Sequence[tuple],
+    workers: int,
+    until: float,
+    progress: Callable[[float], None],
+) -> dict[str, str]:
+    failed: dict[str, str] = {}
     context = multiprocessing.get_context("spawn")
     processors = context.Queue()
     for i in range(workers):

@@ -35,13 +35,13 @@ def located(campaign):
     free = free_columns(setting, fit)
     jac = np.concatenate([free.jac, spread(fit.linearisation, list(fit.unknowns))], axis=2)
     left = eliminate(fit.linearisation.r, fit.linearisation.states_jac, jac)
-    return attribute(VarianceComponents(left, free.channel), blocks_of(fit, setting))
+    return attribute(VarianceComponents(left, free.source), blocks_of(fit, setting))
 
 
 @pytest.mark.parametrize("sensor", [1, 2])
 def test_a_sensor_that_reads_wrong(sensor):
     found = located(with_error(sensor, 0.5))
-    assert found.sources[0] == f"sensor{sensor}"
+    assert found.channels[0] == f"sensor{sensor}"
     assert found.shares[0] > 0.6
 
 
@@ -51,4 +51,4 @@ def test_a_late_channel():
         dataclasses.replace(r, phi2=np.interp(r.t - 1e-3, r.t, r.phi2)) for r in campaign.recordings
     )
     found = located(dataclasses.replace(campaign, recordings=late))
-    assert found.sources[0] == "clock"
+    assert found.channels[0] == "clock"

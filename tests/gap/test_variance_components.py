@@ -29,17 +29,17 @@ def windows(rng, one=0.0, two=0.0):
 def shares(left, seed=0):
     found = attribute(VarianceComponents(left, SOURCE), np.arange(W) // 2, seed)
     assert found.shares.sum() == pytest.approx(1.0)
-    return dict(zip(found.sources, found.shares, strict=True)), found
+    return dict(zip(found.channels, found.shares, strict=True)), found
 
 
 def test_the_source_is_found():
     rng = np.random.default_rng(0)
     by_name, found = shares(windows(rng, one=1.0))
-    assert found.sources[0] == "one"
+    assert found.channels[0] == "one"
     assert by_name["one"] > 0.97
     assert found.low[0] > 0.9
     by_name, found = shares(windows(rng, two=0.5))
-    assert found.sources[0] == "two"
+    assert found.channels[0] == "two"
 
 
 def test_two_sources_share():

@@ -68,22 +68,19 @@ for _kind in (Block, Linearised, Integrated):
 class Programs:
     """Which effects each compiled program of a campaign carries.
 
-    A family of effects shares one, so that all of them may be looked at (`Layout.families`). What
-    is to be looked at or fitted beside effects that are there already takes one with several
-    families: all without a state, those with one state too, everything. So there are few programs
-    whatever is combined, and each is compiled when it is first needed; what fits into several uses
-    the smallest.
+    A family of effects shares one, so that all of them may be looked at (`Layout.families`). Beside
+    effects that are there already, all families without states share one, which serves whatever is
+    there, and is compiled once for all campaigns. One of everything would take minutes to compile
+    and gigabytes: a family with states is looked at beside just what is there. Each is compiled
+    when it is first needed; what fits into several uses the smallest.
     """
 
     def __init__(self, layout: Layout):
         self.layout = layout
         self.known = [NONE, *layout.families]
         self.moving = frozenset().union(*layout.families)
-        plain = [f for f in layout.families if layout.n_states(f) == layout.n_states()]
-        self.plain = frozenset().union(*plain)
-        self.wide = [self.plain]
-        for family in layout.families[len(plain) :]:
-            self.wide.append(self.wide[-1] | family)
+        self.stateful = [f for f in layout.families if layout.n_states(f) > layout.n_states()]
+        self.plain = self.moving.difference(*self.stateful)
         self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes({e.id})}
 
     def active(self, p: np.ndarray) -> frozenset[str]:
@@ -104,7 +101,8 @@ class Programs:
         needed = active | asked
         found = self.covering(needed)
         if found is None:
-            found = next(wide for wide in self.wide if needed <= wide)
+            families = [f for f in self.stateful if f & asked]
+            found = active.union(*families) if families else self.plain | needed
             self.known.append(found)
         return found
 
@@ -138,7 +136,8 @@ class Programs:
         calls: list[list[int]] = []
         for kind in kinds:
             mine = [k for k, slot in enumerate(slots) if self.owner.get(slot) in kind]
-            calls += [mine[i : i + most] for i in range(0, len(mine), most)]
+            step = width(kind, 1)
+            calls += [mine[i : i + step] for i in range(0, len(mine), step)]
         placed = {k for call in calls for k in call}
         rest = [k for k in range(len(slots)) if k not in placed]
         out = []

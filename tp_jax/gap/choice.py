@@ -104,9 +104,9 @@ def choose(
             if i >= ALWAYS and left < enough:
                 break
             progress(f"refitting with {s.id}", i / len(ranked))
-            if i == 0 and s.variant.effect.n_states and not current.ids:
+            if i == 0 and s.variant.effect.n_states:
                 # The other effects with states are a burden that many fits would carry.
-                current.fit.problem.programs.add({s.id})
+                current.fit.problem.programs.add({*current.ids, s.id})
             trial = refit(setting, current.fit, [*current.variants, s.variant])
             if i < ALWAYS:
                 trial = freed(setting, current.fit, trial)

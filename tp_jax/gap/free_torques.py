@@ -5,6 +5,10 @@ a delay between them (times that are off for both are a drive that is late, whic
 is a short Fourier series in every window, with coefficients of its own there. Whatever acts in one
 of these places can be written so, whatever its law; which of them is needed says where the gap
 comes from.
+
+What moves has inertia, so the series of a torque may be short; a reading may jump. The higher
+harmonics of a sensor's error, and of times that are off from sample to sample, are sources of their
+own: they are as large as the lower ones where something jumps, and nothing where it does not.
 """
 
 import dataclasses
@@ -20,6 +24,7 @@ from tp_jax.estimation.problem import Problem
 from tp_jax.model.elementary import sine
 
 HARMONICS = 6  # of a window's length
+SHARP = 24  # of a reading's error; no more than a quarter of a window's samples
 CHANNELS = ("column", "contact", "sensor1", "sensor2", "clock")
 
 
@@ -53,10 +58,13 @@ class FreeContactTorque(_FreeTorque):
 
 @dataclasses.dataclass(frozen=True)
 class FreeColumns:
-    """Derivatives (w, m, q) of a fit's residuals by what is free, and the channel of each (q,)."""
+    """Derivatives (w, m, q) of a fit's residuals by what is free, and the source of each (q,).
+
+    A source is a channel, or one and after a space what of it is free.
+    """
 
     jac: np.ndarray
-    channel: np.ndarray
+    source: np.ndarray
 
 
 def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
@@ -74,28 +82,28 @@ def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
     table = values.table.copy()
     table[: len(same)] = fit.values.table[same]
     values = Values(layout, table)
-    parts, channel = [], []
+    parts, source = [], []
     for j in range(HARMONICS + 1):
         slots = [e.qualified(n) for e in effects for n in (("a", "b") if j else ("a",))]
         rate = {e.qualified("W"): j / before.windows.horizon for e in effects}
         lin = problem.linearise(values.replace(rate), fit.states, slots)
         parts.append(lin.slots_jac)
-        channel += [e.location for e in effects for _ in range(2 if j else 1)]
+        source += [e.location for e in effects for _ in range(2 if j else 1)]
     readings, own = _errors_of_readings(setting, fit)
     jac = np.concatenate([*parts, readings], axis=2)
     rows = fit.linearisation.valid.copy()
     rows[:, -4:] = True  # the prior
     jac[~rows] = 0.0
-    return FreeColumns(jac, np.array([*channel, *own]))
+    return FreeColumns(jac, np.array([*source, *own]))
 
 
 def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[str]]:
-    """The same of sensors, and of a delay between them (constant and growing)."""
+    """The same of sensors, and of times: a delay between the two (constant and growing), jitter."""
     problem, lin = fit.problem, fit.linearisation
     w, n = problem.windows, lin.n_samples
     used = [c for c in range(2) if c == 0 or setting.rider]
     columns: list[np.ndarray] = []
-    channel: list[str] = []
+    source: list[str] = []
     since = np.zeros((w.n, n))
     for i in range(w.n):
         t = setting.prepared[w.recording[i]].t[w.first[i] : w.first[i] + w.count[i]]
@@ -104,28 +112,35 @@ def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[st
     start_sd = np.array([
         setting.prepared[r].smooth_sd[f] for r, f in zip(w.recording, w.first, strict=True)
     ])  # fmt: skip
+    velocity = lin.states[:, :, 2:4]
+
+    def add(name: str, errors: dict[int, np.ndarray], prior: dict[int, np.ndarray]) -> None:
+        column = np.zeros((w.n, lin.r.shape[1]))
+        for c, error in errors.items():
+            column[:, c : 2 * n : 2] = error / problem.sigma[c]
+        # the prior of a window's state is a reading too
+        for row, error in prior.items():
+            column[:, 2 * n + row] = error / start_sd[:, row]
+        columns.append(column)
+        source.append(name)
+
     for c in used:
         for j in range(HARMONICS + 1):
-            waves = [(np.cos(j * angle), 0.0)]
+            rate = np.full(w.n, 2.0 * np.pi * j / w.horizon)
+            cosine = np.cos(j * angle)
+            add(f"sensor{c + 1}", {c: cosine}, {c: cosine[:, 0], 2 + c: 0.0 * rate})
             if j:
-                waves.append((np.sin(j * angle), 2.0 * np.pi * j / w.horizon))
-            for wave, rate in waves:
-                column = np.zeros((w.n, lin.r.shape[1]))
-                column[:, c : 2 * n : 2] = wave / problem.sigma[c]
-                # the prior of a window's state is a reading too
-                column[:, 2 * n + c] = wave[:, 0] / start_sd[:, c]
-                column[:, 2 * n + 2 + c] = rate / start_sd[:, 2 + c]
-                columns.append(column)
-                channel.append(f"sensor{c + 1}")
-    velocity = lin.states[:, :, 2:4]
-    acceleration = (velocity[:, 1] - velocity[:, 0]) / since[:, 1:2]
-    ramps = ((np.ones_like(since), 0.0), (since / w.horizon, 1.0 / w.horizon))
-    for ramp, slope in ramps if setting.rider else ():
-        column = np.zeros((w.n, lin.r.shape[1]))
-        column[:, 1 : 2 * n : 2] = -velocity[:, :, 1] * ramp / problem.sigma[1]
-        rate = -acceleration[:, 1] * ramp[:, 0] - velocity[:, 0, 1] * slope
-        column[:, 2 * n + 1] = -velocity[:, 0, 1] * ramp[:, 0] / start_sd[:, 1]
-        column[:, 2 * n + 3] = rate / start_sd[:, 3]
-        columns.append(column)
-        channel.append("clock")
-    return np.stack(columns, axis=2), channel
+                add(f"sensor{c + 1}", {c: np.sin(j * angle)}, {2 + c: rate})
+    # what jumps to and fro has left nothing in a smoothed reading
+    for j in range(HARMONICS + 1, min(SHARP, n // 4) + 1):
+        for wave in (np.cos(j * angle), np.sin(j * angle)):
+            for c in used:
+                add(f"sensor{c + 1} sharp", {c: wave}, {})
+            add("clock sharp", {c: velocity[:, :, c] * wave for c in used}, {})
+    if setting.rider:
+        acceleration = (velocity[:, 1, 1] - velocity[:, 0, 1]) / since[:, 1]
+        for ramp, slope in ((np.ones_like(since), 0.0), (since / w.horizon, 1.0 / w.horizon)):
+            start = -velocity[:, 0, 1] * ramp[:, 0]
+            rate = -acceleration * ramp[:, 0] - velocity[:, 0, 1] * slope
+            add("clock", {1: -velocity[:, :, 1] * ramp}, {1: start, 3: rate})
+    return np.stack(columns, axis=2), source

@@ -66,7 +66,7 @@ def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
     base_jac = spread(fit.linearisation, base)
     lin = fit.linearisation
     left = eliminate(lin.r, lin.states_jac, np.concatenate([free.jac, base_jac], axis=2))
-    found = attribute(VarianceComponents(left, free.channel), blocks_of(fit, setting), seed)
+    found = attribute(VarianceComponents(left, free.source), blocks_of(fit, setting), seed)
     best: dict[str, tuple[float, str]] = {}
     for s in choice.rounds[0].screen.best():
         location = s.variant.effect.location
@@ -75,7 +75,9 @@ def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
         channel = CHANNELS[location]
         best[channel] = max(best.get(channel, (-1.0, "")), (score, location))
     shares = []
-    for n, share, low, high in zip(found.sources, found.shares, found.low, found.high, strict=True):
+    for n, share, low, high in zip(
+        found.channels, found.shares, found.low, found.high, strict=True
+    ):
         if share <= 0.0:
             continue
         location = best.get(n, (0.0, n))[1]

@@ -24,12 +24,13 @@ STARTS = (2.0, 8.0)
 class Components:
     """Some sources at their likeliest variances.
 
-    gain: log-likelihood, less that without any source; by_window: (w,) the part of each window;
-    coefficients: (w, q) means of all coefficients, zero for other sources; shared: (u,) how what
-    all windows share moves with them.
+    logs: of the variances; gain: log-likelihood, less that without any source; by_window: (w,) the
+    part of each window; coefficients: (w, q) means of all coefficients, zero for other sources;
+    shared: (u,) how what all windows share moves with them.
     """
 
     sources: tuple[str, ...]
+    logs: np.ndarray
     gain: float
     by_window: np.ndarray
     coefficients: np.ndarray
@@ -58,8 +59,8 @@ class VarianceComponents:
         fixed = (self._H[:, q:, q:], self._g[:, q:])
         self._nothing = _Solved(np.zeros(0), nobody, *fixed, left.cost, 0).by_window
 
-    def fit(self, names: Sequence[str]) -> Components:
-        """Some sources together."""
+    def fit(self, names: Sequence[str], start: Sequence[float] | None = None) -> Components:
+        """Some sources together, from logarithms of variances where they are nearly known."""
         q = self.source.size
         mine = np.flatnonzero(np.isin(self.source, names))
         member = np.array([self.source[mine] == n for n in names])
@@ -72,8 +73,8 @@ class VarianceComponents:
 
         limits = [(LEAST, MOST)] * len(names)
         tried = [
-            minimize(objective, np.full(len(names), x), jac=True, method="L-BFGS-B", bounds=limits)
-            for x in STARTS
+            minimize(objective, x, jac=True, method="L-BFGS-B", bounds=limits)
+            for x in ([np.full(len(names), x) for x in STARTS] if start is None else [start])
         ]
         best = min(tried, key=lambda found: found.fun)
         at = _Solved(best.x, member, H, g, self._cost, k)
@@ -81,7 +82,7 @@ class VarianceComponents:
         coefficients = np.zeros((H.shape[0], q))
         coefficients[:, mine] = -at.u / self._size[mine]
         shared = -at.move / self._size[q:]
-        return Components(tuple(names), float(gains.sum()), gains, coefficients, shared)
+        return Components(tuple(names), best.x, float(gains.sum()), gains, coefficients, shared)
 
 
 class _Solved:
@@ -125,9 +126,12 @@ class _Solved:
 
 @dataclasses.dataclass(frozen=True)
 class Attribution:
-    """Shares of sources, largest first, with 95 % intervals from resampled windows."""
+    """Shares of channels, largest first, with 95 % intervals from resampled windows.
 
-    sources: tuple[str, ...]
+    alone: of each channel, the likeliest of its sources.
+    """
+
+    channels: tuple[str, ...]
     shares: np.ndarray
     low: np.ndarray
     high: np.ndarray
@@ -137,41 +141,55 @@ class Attribution:
 def attribute(
     parts: VarianceComponents, block: np.ndarray, seed: int = 0, draws: int = 500
 ) -> Attribution:
-    """Shares of the sources in what all of them together gain.
+    """Shares of the channels in what all their sources together gain.
 
     The likeliest source alone has what it gains alone; the one that then adds most what it adds;
     the rest goes to the others in proportion to what each would add to these two.
 
     Args:
-        parts: residuals and sources.
+        parts: residuals and sources; the first word of a source's name is its channel.
         block: (w,) windows that are resampled together.
         seed: of the resampling.
     """
     alone = {n: parts.fit([n]) for n in parts.names}
     first = max(alone, key=lambda n: alone[n].gain)
     others = [n for n in parts.names if n != first]
-    with_first = {n: parts.fit([first, n]) for n in others}
+
+    def beside(before: Components, n: str) -> Components:
+        return parts.fit([*before.sources, n], [*before.logs, *alone[n].logs])
+
     steps = {first: alone[first].by_window}
     if others:
+        with_first = {n: beside(alone[first], n) for n in others}
         second = max(others, key=lambda n: with_first[n].gain)
-        steps[second] = with_first[second].by_window - alone[first].by_window
+        both = with_first[second]
+        steps[second] = both.by_window - alone[first].by_window
         for n in (n for n in others if n != second):
-            added = parts.fit([first, second, n]).by_window
-            steps[n] = added - with_first[second].by_window
-    gains = np.stack(list(steps.values()), axis=1)
+            steps[n] = beside(both, n).by_window - both.by_window
+    channels = tuple(dict.fromkeys(map(channel_of, parts.names)))
     n_blocks = int(block.max()) + 1
-    by_block = np.zeros((n_blocks, gains.shape[1]))
-    np.add.at(by_block, block, gains)
+    by_block = np.zeros((n_blocks, len(steps)))
+    np.add.at(by_block, block, np.stack(list(steps.values()), axis=1))
+    belongs = np.array([[channel_of(n) == c for c in channels] for n in steps])
     rng = np.random.default_rng(seed)
     counts = rng.multinomial(n_blocks, np.full(n_blocks, 1.0 / n_blocks), size=draws)
 
     def shares(total: np.ndarray) -> np.ndarray:
-        total = np.maximum(total, 0.0)
+        total = np.maximum(total, 0.0) @ belongs
         return total / np.maximum(total.sum(axis=-1, keepdims=True), 1e-300)
 
-    drawn = shares(counts @ by_block)
-    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
+    low, high = np.quantile(shares(counts @ by_block), [0.025, 0.975], axis=0)
     value = shares(by_block.sum(axis=0))
     order = np.argsort(-value, kind="stable")
-    names = list(steps)
-    return Attribution(tuple(names[i] for i in order), value[order], low[order], high[order], alone)
+    best = {
+        c: max((alone[n] for n in parts.names if channel_of(n) == c), key=lambda x: x.gain)
+        for c in channels
+    }
+    return Attribution(
+        tuple(channels[i] for i in order), value[order], low[order], high[order], best
+    )
+
+
+def channel_of(source: str) -> str:
+    """The channel that a source belongs to."""
+    return source.split()[0]
