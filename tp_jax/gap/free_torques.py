@@ -6,9 +6,10 @@ is a short Fourier series in every window, with coefficients of its own there. W
 of these places can be written so, whatever its law; which of them is needed says where the gap
 comes from.
 
-What moves has inertia, so the series of a torque may be short; a reading may jump. The higher
-harmonics of a sensor's error, and of times that are off from sample to sample, are sources of their
-own: they are as large as the lower ones where something jumps, and nothing where it does not.
+What moves has inertia, so the series of a torque may be short; a reading may jump. So there are
+other kinds of errors of readings, sources of their own with more harmonics: a sensor's error that
+jumps to and fro (all harmonics alike), one that wanders (the higher the smaller, as of a random
+walk), one that stutters (the reading of some other time), and times that are off for both.
 """
 
 import dataclasses
@@ -58,13 +59,15 @@ class FreeContactTorque(_FreeTorque):
 
 @dataclasses.dataclass(frozen=True)
 class FreeColumns:
-    """Derivatives (w, m, q) of a fit's residuals by what is free, and the source of each (q,).
+    """Derivatives (w, m, q) of a fit's residuals by what is free, the source of each (q,), and how
+    large its coefficient is, compared with others of that source (q,).
 
-    A source is a channel, or one and after a space what of it is free.
+    A source is a channel, or one and after a space a kind of error.
     """
 
     jac: np.ndarray
     source: np.ndarray
+    weight: np.ndarray
 
 
 def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
@@ -89,21 +92,24 @@ def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
         lin = problem.linearise(values.replace(rate), fit.states, slots)
         parts.append(lin.slots_jac)
         source += [e.location for e in effects for _ in range(2 if j else 1)]
-    readings, own = _errors_of_readings(setting, fit)
+    readings, own, weight = _errors_of_readings(setting, fit)
     jac = np.concatenate([*parts, readings], axis=2)
     rows = fit.linearisation.valid.copy()
     rows[:, -4:] = True  # the prior
     jac[~rows] = 0.0
-    return FreeColumns(jac, np.array([*source, *own]))
+    return FreeColumns(
+        jac, np.array([*source, *own]), np.concatenate([np.ones(len(source)), weight])
+    )
 
 
-def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[str]]:
+def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[str], np.ndarray]:
     """The same of sensors, and of times: a delay between the two (constant and growing), jitter."""
     problem, lin = fit.problem, fit.linearisation
     w, n = problem.windows, lin.n_samples
     used = [c for c in range(2) if c == 0 or setting.rider]
     columns: list[np.ndarray] = []
     source: list[str] = []
+    weights: list[float] = []
     since = np.zeros((w.n, n))
     for i in range(w.n):
         t = setting.prepared[w.recording[i]].t[w.first[i] : w.first[i] + w.count[i]]
@@ -114,33 +120,40 @@ def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[st
     ])  # fmt: skip
     velocity = lin.states[:, :, 2:4]
 
-    def add(name: str, errors: dict[int, np.ndarray], prior: dict[int, np.ndarray]) -> None:
+    def add(name: str, errors: dict, prior: dict | None = None, weight: float = 1.0) -> None:
         column = np.zeros((w.n, lin.r.shape[1]))
         for c, error in errors.items():
             column[:, c : 2 * n : 2] = error / problem.sigma[c]
-        # the prior of a window's state is a reading too
-        for row, error in prior.items():
+        # the prior of a window's state is a reading too, if a smoothed one
+        for row, error in (prior or {}).items():
             column[:, 2 * n + row] = error / start_sd[:, row]
         columns.append(column)
         source.append(name)
+        weights.append(weight)
 
-    for c in used:
-        for j in range(HARMONICS + 1):
-            rate = np.full(w.n, 2.0 * np.pi * j / w.horizon)
-            cosine = np.cos(j * angle)
-            add(f"sensor{c + 1}", {c: cosine}, {c: cosine[:, 0], 2 + c: 0.0 * rate})
-            if j:
-                add(f"sensor{c + 1}", {c: np.sin(j * angle)}, {2 + c: rate})
-    # what jumps to and fro has left nothing in a smoothed reading
-    for j in range(HARMONICS + 1, min(SHARP, n // 4) + 1):
-        for wave in (np.cos(j * angle), np.sin(j * angle)):
+    ramp = since / w.horizon
+    slow = np.full(w.n, 1.0 / w.horizon)
+    for j in range(min(SHARP, n // 4) + 1):
+        rate = 2.0 * np.pi * j * slow
+        waves = [(np.cos(j * angle), 0.0 * rate)] + [(np.sin(j * angle), rate)] * (j > 0)
+        for wave, slope in waves:
             for c in used:
-                add(f"sensor{c + 1} sharp", {c: wave}, {})
-            add("clock sharp", {c: velocity[:, :, c] * wave for c in used}, {})
+                name = f"sensor{c + 1}"
+                prior = {c: wave[:, 0], 2 + c: slope} if j <= HARMONICS else {}
+                add(f"{name} wandering", {c: wave}, prior, 1.0 / max(j, 1))
+                if j <= HARMONICS:
+                    add(name, {c: wave}, prior)
+                else:
+                    add(f"{name} jumping", {c: wave})
+                    add(f"{name} stuttering", {c: velocity[:, :, c] * wave})
+            if j > HARMONICS:
+                add("clock jumping", {c: velocity[:, :, c] * wave for c in used})
+    for c in used:
+        add(f"sensor{c + 1} wandering", {c: ramp}, {2 + c: slow})
     if setting.rider:
         acceleration = (velocity[:, 1, 1] - velocity[:, 0, 1]) / since[:, 1]
-        for ramp, slope in ((np.ones_like(since), 0.0), (since / w.horizon, 1.0 / w.horizon)):
-            start = -velocity[:, 0, 1] * ramp[:, 0]
-            rate = -acceleration * ramp[:, 0] - velocity[:, 0, 1] * slope
-            add("clock", {1: -velocity[:, :, 1] * ramp}, {1: start, 3: rate})
-    return np.stack(columns, axis=2), source
+        for delay, growth in ((np.ones_like(since), 0.0 * slow), (ramp, slow)):
+            start = -velocity[:, 0, 1] * delay[:, 0]
+            rate = -acceleration * delay[:, 0] - velocity[:, 0, 1] * growth
+            add("clock", {1: -velocity[:, :, 1] * delay}, {1: start, 3: rate})
+    return np.stack(columns, axis=2), source, np.array(weights)

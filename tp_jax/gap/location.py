@@ -66,7 +66,9 @@ def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
     base_jac = spread(fit.linearisation, base)
     lin = fit.linearisation
     left = eliminate(lin.r, lin.states_jac, np.concatenate([free.jac, base_jac], axis=2))
-    found = attribute(VarianceComponents(left, free.source), blocks_of(fit, setting), seed)
+    found = attribute(
+        VarianceComponents(left, free.source, free.weight), blocks_of(fit, setting), seed
+    )
     best: dict[str, tuple[float, str]] = {}
     for s in choice.rounds[0].screen.best():
         location = s.variant.effect.location
@@ -83,15 +85,15 @@ def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
         location = best.get(n, (0.0, n))[1]
         text = when.get(location)
         if text is None:
-            parts = found.alone[n]
+            alone = found.alone[n]
             both = np.concatenate(
-                [parts.coefficients, np.broadcast_to(parts.shared, (lin.r.shape[0], len(base)))],
+                [alone.coefficients, np.broadcast_to(alone.shared, (lin.r.shape[0], len(base)))],
                 axis=1,
             )
             states = left.state_step + np.einsum("wxu,wu->wx", left.state_gain, both)
             after = lin.r + np.einsum("wmx,wx->wm", lin.states_jac, states)
-            after = after + np.einsum("wmu,wu->wm", free.jac, parts.coefficients)
-            after = after + base_jac @ parts.shared
+            after = after + np.einsum("wmu,wu->wm", free.jac, alone.coefficients)
+            after = after + base_jac @ alone.shared
             text = densest(lin, after, location)
         interval = (float(min(low, share)), float(max(high, share)))
         shares.append(Share(location, n, float(share), text, interval))

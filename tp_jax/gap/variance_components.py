@@ -44,12 +44,16 @@ class VarianceComponents:
         left: gradients and information of the sources' coefficients, then of what is shared by
             all windows, the windows' states projected out.
         source: (q,) name of the source of each coefficient.
+        weight: (q,) how large a coefficient is compared with others of its source, both in units
+            of what the windows tell of it; all alike if None.
     """
 
-    def __init__(self, left: Eliminated, source: np.ndarray):
+    def __init__(self, left: Eliminated, source: np.ndarray, weight: np.ndarray | None = None):
         self.source = source
         self.names = tuple(str(n) for n in dict.fromkeys(source))
         size = np.sqrt(np.maximum(np.einsum("wii->i", left.H) / left.H.shape[0], 1e-300))
+        if weight is not None:
+            size[: source.size] /= weight
         self._size = size
         self._H = left.H / np.outer(size, size)
         self._g = left.g / size
@@ -141,55 +145,49 @@ class Attribution:
 def attribute(
     parts: VarianceComponents, block: np.ndarray, seed: int = 0, draws: int = 500
 ) -> Attribution:
-    """Shares of the channels in what all their sources together gain.
+    """Shares of the channels in what all of them together gain.
 
-    The likeliest source alone has what it gains alone; the one that then adds most what it adds;
-    the rest goes to the others in proportion to what each would add to these two.
+    Of each channel the source counts that is likeliest alone. The likeliest of these has what it
+    gains alone; the one that then adds most what it adds; the rest goes to the others in proportion
+    to what each would add to these two.
 
     Args:
         parts: residuals and sources; the first word of a source's name is its channel.
         block: (w,) windows that are resampled together.
         seed: of the resampling.
     """
-    alone = {n: parts.fit([n]) for n in parts.names}
-    first = max(alone, key=lambda n: alone[n].gain)
-    others = [n for n in parts.names if n != first]
+    alone: dict[str, Components] = {}
+    for n in parts.names:
+        channel, found = n.split()[0], parts.fit([n])
+        if channel not in alone or found.gain > alone[channel].gain:
+            alone[channel] = found
+    first = max(alone, key=lambda c: alone[c].gain)
+    others = [c for c in alone if c != first]
 
-    def beside(before: Components, n: str) -> Components:
-        return parts.fit([*before.sources, n], [*before.logs, *alone[n].logs])
+    def beside(before: Components, c: str) -> Components:
+        return parts.fit([*before.sources, *alone[c].sources], [*before.logs, *alone[c].logs])
 
     steps = {first: alone[first].by_window}
     if others:
-        with_first = {n: beside(alone[first], n) for n in others}
-        second = max(others, key=lambda n: with_first[n].gain)
+        with_first = {c: beside(alone[first], c) for c in others}
+        second = max(others, key=lambda c: with_first[c].gain)
         both = with_first[second]
         steps[second] = both.by_window - alone[first].by_window
-        for n in (n for n in others if n != second):
-            steps[n] = beside(both, n).by_window - both.by_window
-    channels = tuple(dict.fromkeys(map(channel_of, parts.names)))
+        for c in (c for c in others if c != second):
+            steps[c] = beside(both, c).by_window - both.by_window
+    gains = np.stack(list(steps.values()), axis=1)
     n_blocks = int(block.max()) + 1
-    by_block = np.zeros((n_blocks, len(steps)))
-    np.add.at(by_block, block, np.stack(list(steps.values()), axis=1))
-    belongs = np.array([[channel_of(n) == c for c in channels] for n in steps])
+    by_block = np.zeros((n_blocks, gains.shape[1]))
+    np.add.at(by_block, block, gains)
     rng = np.random.default_rng(seed)
     counts = rng.multinomial(n_blocks, np.full(n_blocks, 1.0 / n_blocks), size=draws)
 
     def shares(total: np.ndarray) -> np.ndarray:
-        total = np.maximum(total, 0.0) @ belongs
+        total = np.maximum(total, 0.0)
         return total / np.maximum(total.sum(axis=-1, keepdims=True), 1e-300)
 
     low, high = np.quantile(shares(counts @ by_block), [0.025, 0.975], axis=0)
     value = shares(by_block.sum(axis=0))
     order = np.argsort(-value, kind="stable")
-    best = {
-        c: max((alone[n] for n in parts.names if channel_of(n) == c), key=lambda x: x.gain)
-        for c in channels
-    }
-    return Attribution(
-        tuple(channels[i] for i in order), value[order], low[order], high[order], best
-    )
-
-
-def channel_of(source: str) -> str:
-    """The channel that a source belongs to."""
-    return source.split()[0]
+    names = list(steps)
+    return Attribution(tuple(names[i] for i in order), value[order], low[order], high[order], alone)
