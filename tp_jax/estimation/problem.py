@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-import jax.numpy as jnp
 import numpy as np
 
 from tp_jax.estimation.layout import Layout, Unknown, Values
@@ -169,8 +168,7 @@ class Problem:
             if pieces is not None and p.pieces is not None:
                 pieces[at : at + c - 1, :, lane] = p.pieces[f : f + c - 1]
             count[lane] = at + c
-        arrays = (ts, count, start, data, weight, begins, prior, prior_weight, pieces)
-        return Block(*(None if a is None else jnp.asarray(a) for a in arrays))
+        return Block(ts, count, start, data, weight, begins, prior, prior_weight, pieces)  # type: ignore[arg-type]
 
     def blocks(self) -> list[tuple[np.ndarray, np.ndarray, Block]]:
         """Windows, their places (w, 4) and the data of all blocks; made once."""
@@ -213,8 +211,7 @@ class Problem:
             directions = [index[k] for k in part]
             directions += [spare] * (self._width(ids, len(part)) - len(part))
             out = linearise(
-                self.layout, self.tolerances, ids, jnp.asarray(p), jnp.asarray(x0), block,
-                jnp.asarray(directions),
+                self.layout, self.tolerances, ids, p, x0, block, np.array(directions),
             )  # fmt: skip
             return [np.asarray(a) for a in out]
 
@@ -246,9 +243,9 @@ class Problem:
             nothing = np.zeros((0, 0), dtype=int)
             block = self._block(nothing, nothing.reshape(0, 4))
             linearise(
-                self.layout, self.tolerances, ids, jnp.ones((len(self.layout.parameters), LANES)),
-                jnp.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
-                jnp.asarray([spare] * self._width(ids, 0)),
+                self.layout, self.tolerances, ids, np.ones((len(self.layout.parameters), LANES)),
+                np.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
+                np.array([spare] * self._width(ids, 0)),
             )  # fmt: skip
 
         pool = ThreadPoolExecutor(2)
