@@ -21,7 +21,8 @@ def test_goes_on_through_a_gap_at_its_beginning(lost):
     runs[1] = dataclasses.replace(lossy(runs[1], 0, lost), held_out=True)
     setting = prepare_campaign(dataclasses.replace(campaign, recordings=tuple(runs)), effects=())
     assert stretches(runs[1].t)[0].stop < 8 or lost[0] > 0.1
-    readings = free_run(setting, synthetic_values(setting), (), 1, 0.75)
+    values = synthetic_values(setting)
+    readings = free_run(setting, values, (), 1, start_state(setting, values, 1, 0.75))
     assert readings.shape == (runs[1].n, 2)
     error = readings - np.stack([runs[1].phi1, runs[1].phi2], axis=1)
     assert np.sqrt(np.mean(error**2)) < 2.0 * NOISE

@@ -181,8 +181,8 @@ def _free(setting: Setting, fit: Fit, ids: tuple[str, ...], horizon: float):
     """Start states and free runs of the held-out recordings."""
     runs, starts = {}, {}
     for i in setting.held_out:
-        runs[i] = free_run(setting, fit.values, ids, i, horizon)
         starts[i] = start_state(setting, fit.values, i, horizon)
+        runs[i] = free_run(setting, fit.values, ids, i, starts[i])
     return starts, runs if runs else None
 
 

@@ -24,6 +24,7 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
 
     The window ends at a gap, unless that leaves fewer than eight samples.
     """
+    values = carried_over(values, setting)
     p = setting.prepared[recording]
     count = int(np.searchsorted(p.t, p.t[0] + horizon, side="right"))
     count = min(count, stretches(p.t)[0].stop)
@@ -36,12 +37,11 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
 
 
 def free_run(
-    setting: Setting, values: Values, ids: tuple[str, ...], recording: int, horizon: float
+    setting: Setting, values: Values, ids: tuple[str, ...], recording: int, x0: np.ndarray
 ) -> np.ndarray:
-    """Predicted readings of one recording (n, 2) [rad] from its first moments alone."""
+    """Predicted readings of one recording (n, 2) [rad] from its start state (4,) alone."""
     values = carried_over(values, setting)
     r = setting.recordings[recording]
-    x0 = start_state(setting, values, recording, horizon)
     labels = [q.label for q in setting.recordings]
     record = fit_record(values, ids, labels)
     drive = drive_for(
