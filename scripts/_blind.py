@@ -14,7 +14,7 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
 from tp_jax.cli.faults import explain
 
-LAST = 12  # cases of a process, whose compiled programs add up
+LAST = 12  # tasks of a process; its compiled programs add up
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -102,51 +102,38 @@ def _over_all_cores(
     until: float,
     progress: Callable[[float], None],
 ) -> dict[str, str]:
-    """Each task in one of some lasting processes, none begun after `until`; faults by case.
+    """Each task in one of some processes, none begun after `until`; faults by case.
+
+    Processes last for `LAST` tasks.
 
     Tasks are (root, case, ...).
     """
     failed: dict[str, str] = {}
-    for i in range(0, len(tasks), workers * LAST):
-        if time.monotonic() <= until:
-            part = tasks[i : i + workers * LAST]
-            done = i / len(tasks), len(part) / len(tasks)
-            failed |= _in_processes(
-                work, part, workers, until, lambda p, done=done: progress(done[0] + p * done[1])
-            )
-    return failed
-
-
-def _in_processes(
-    work: Callable[..., None],
-    tasks: Sequence[tuple],
-    workers: int,
-    until: float,
-    progress: Callable[[float], None],
-) -> dict[str, str]:
-    failed: dict[str, str] = {}
     context = multiprocessing.get_context("spawn")
-    processors = context.Queue()
-    for i in range(workers):
-        processors.put(i)
     queue, done = list(tasks)[::-1], 0
-    with ProcessPoolExecutor(workers, context, _begin, (processors,)) as pool:
-        running: dict[Future, tuple] = {}
-        progress(0.0)
-        while queue or running:
-            # no more in hand than run, or those in hand would begin after `until`
-            while queue and len(running) < workers and time.monotonic() <= until:
-                task = queue.pop()
-                running[pool.submit(work, *task)] = task
-            if not running:
-                break
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                task = running.pop(future)
-                fault = future.exception()
-                if fault is not None:
-                    failed[task[1]] = f"{type(fault).__name__}: {fault}"
-                done += 1
-                progress(done / len(tasks))
+    while queue and time.monotonic() <= until:
+        left = min(workers * LAST, len(queue))
+        processors = context.Queue()
+        for i in range(workers):
+            processors.put(i)
+        with ProcessPoolExecutor(workers, context, _begin, (processors,)) as pool:
+            running: dict[Future, tuple] = {}
+            progress(done / len(tasks))
+            while left or running:
+                # no more in hand than run, or those in hand would begin after `until`
+                while left and len(running) < workers and time.monotonic() <= until:
+                    task = queue.pop()
+                    left -= 1
+                    running[pool.submit(work, *task)] = task
+                if not running:
+                    break
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    task = running.pop(future)
+                    fault = future.exception()
+                    if fault is not None:
+                        failed[task[1]] = f"{type(fault).__name__}: {fault}"
+                    done += 1
+                    progress(done / len(tasks))
     return failed
 
 

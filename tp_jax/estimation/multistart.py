@@ -105,16 +105,16 @@ def search(
         stands = groups(near, coordinates)
         leaders = sorted(set(stands), key=lambda i: (near[i].cost, i))
         best = near[leaders[0]].cost
+
+        def end(i: int) -> Outcome:
+            values = near[i].values(starts[i].values, unknowns)
+            left = near[i].cost > (1.0 + BEHIND) * best
+            return _end(ladder, near[i], values, left=left)
+
         todo = [i for i in leaders if f"end {i}" not in done]
         for batch in (todo[i : i + WORKERS] for i in range(0, len(todo), WORKERS)):
             part = len(leaders) - len(todo) + todo.index(batch[0])
             progress(f"optima, {len(leaders)} in all", part / len(leaders))
-
-            def end(i: int) -> Outcome:
-                values = near[i].values(starts[i].values, unknowns)
-                left = near[i].cost > (1.0 + BEHIND) * best
-                return _end(ladder, near[i], values, left=left)
-
             with ThreadPoolExecutor(WORKERS) as pool:
                 found = list(pool.map(end, batch))
             keep({f"end {i}": o for i, o in zip(batch, found, strict=True)})

@@ -146,7 +146,7 @@ def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[st
                 else:
                     add(f"{name} jumping", {c: wave})
                     add(f"{name} stuttering", {c: velocity[:, :, c] * wave})
-            if j > HARMONICS:
+            if j > HARMONICS and setting.rider:  # of one sensor alone, it is that one that stutters
                 add("clock jumping", {c: velocity[:, :, c] * wave for c in used})
     for c in used:
         add(f"sensor{c + 1} wandering", {c: ramp}, {2 + c: slow})
