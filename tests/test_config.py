@@ -5,9 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jax
 import pytest
 
-from tp_jax._config import SMALL_LOOP, compile_small_loops
+from tp_jax._config import SMALL_LOOP, cache_folder, compile_small_loops, programs_folder
 
 OPTION = "xla_cpu_small_while_loop_byte_threshold"
 FLAG = f"--xla_backend_extra_options={OPTION}={SMALL_LOOP}"
@@ -58,6 +59,37 @@ def test_small_loops_switched_off(flags, switch):
 @pytest.mark.parametrize("switch", ["", "on"])
 def test_small_loops_not_switched_off(flags, switch):
     assert flags(None, switch) == FLAG
+
+
+@pytest.fixture
+def caches(tmp_path, monkeypatch):
+    """A cache folder of the test's own, in use by JAX."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    cache_folder().mkdir(parents=True)
+    before = jax.config.jax_compilation_cache_dir
+    jax.config.update("jax_compilation_cache_dir", str(cache_folder()))
+    yield tmp_path
+    jax.config.update("jax_compilation_cache_dir", before)
+
+
+def test_programs_lie_beside_the_cache(caches):
+    assert programs_folder() == caches / "tp-jax" / "programs"
+    assert programs_folder().is_dir()
+
+
+def test_programs_are_not_kept_where_the_cache_is_somebody_elses(caches):
+    jax.config.update("jax_compilation_cache_dir", str(caches / "theirs"))
+    assert programs_folder() is None
+
+
+def test_programs_are_not_kept_without_a_cache(caches):
+    jax.config.update("jax_compilation_cache_dir", None)
+    assert programs_folder() is None
+
+
+def test_programs_are_not_kept_where_no_folder_can_be(caches):
+    (caches / "tp-jax" / "programs").write_text("a file")
+    assert programs_folder() is None
 
 
 def test_using_a_name_sets_them_before_anything_is_compiled():

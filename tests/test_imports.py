@@ -11,9 +11,10 @@ PACKAGE = Path(__file__).parent.parent / "tp_jax"
 
 # Layer -> the layers it may import, besides itself and EVERYWHERE. The root, tp_jax itself, is
 # for the command line alone: its lazy names reach everywhere.
-EVERYWHERE = {"errors", "_version"}
+EVERYWHERE = {"errors", "_files", "_version"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
+    "_files": set(),
     "_version": set(),
     "_config": set(),
     "_stored": {"_config"},
@@ -55,6 +56,7 @@ FORBIDDEN = {
     "recordings": JAX,
     "acquisition": JAX,
     "errors": {*JAX, "numpy", "scipy"},
+    "_files": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,
 }

@@ -13,7 +13,6 @@ import functools
 import hashlib
 import logging
 import os
-import tempfile
 import threading
 from collections.abc import Callable, Hashable
 from pathlib import Path
@@ -24,6 +23,7 @@ import jaxlib
 from jax import export
 
 from tp_jax._config import programs_folder
+from tp_jax._files import replaced
 
 log = logging.getLogger(__name__)
 
@@ -93,7 +93,8 @@ class Stored:
                 exported = export.export(jax.jit(functools.partial(self.function, *static)))(
                     *arrays
                 )
-                _write(file, bytes(exported.serialize()))
+                with replaced(file) as part:
+                    part.write_bytes(exported.serialize())
         except Exception as fault:  # whatever is wrong with a cache, there is another way
             log.info("%s is not kept: %s", file.name, fault)
             with contextlib.suppress(OSError):
@@ -110,10 +111,3 @@ def _source() -> str:
     for file in sorted(root.rglob("*.py")):
         digest.update(file.relative_to(root).as_posix().encode() + b"\0" + file.read_bytes())
     return digest.hexdigest()
-
-
-def _write(file: Path, data: bytes) -> None:
-    """Whole or not at all, whoever else writes it."""
-    with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as part:
-        part.write(data)
-    os.replace(part.name, file)

@@ -9,8 +9,8 @@ import time
 import numpy as np
 import pytest
 
+from tp_jax._files import replaced
 from tp_jax.acquisition import writer as module
-from tp_jax.acquisition.files import replace_file
 from tp_jax.acquisition.writer import CsvWriter, scale_time
 from tp_jax.errors import InputError
 from tp_jax.recordings import read_columns
@@ -99,7 +99,8 @@ def test_replacing_keeps_links_and_permissions(tmp_path):
     real.write_text("old")
     real.chmod(0o640)
     link.symlink_to(real)
-    replace_file(link, b"new")
+    with replaced(link) as part:
+        part.write_text("new")
     assert link.is_symlink()
     assert real.read_text() == "new"
     assert real.stat().st_mode & 0o777 == 0o640

@@ -3,6 +3,7 @@
 from tests.rigs import bench_problem, bench_values, whole_layout
 from tp_jax.effects import catalogue
 from tp_jax.estimation import program
+from tp_jax.estimation.layout import Layout
 from tp_jax.estimation.problem import DIRECTIONS
 
 
@@ -43,3 +44,16 @@ def test_slots_beyond_a_portion_are_the_same_as_alone():
     last = problem.linearise(values, states, amplitudes[-1:]).slots_jac
     scale = abs(last).max()
     assert abs(every[:, :, -1:] - last).max() < 1e-9 * scale
+
+
+def test_programs_are_kept_for_the_packages_own_effects_only():
+    kinds = [type(effect) for effect in catalogue().values()]
+    own = tuple(kind() for kind in kinds)
+    assert Layout("double", own).described == whole_layout().described
+    assert Layout("single", own).described != whole_layout().described
+    assert Layout("double", own[1:]).described != whole_layout().described
+
+    class Other(kinds[0]):
+        """From outside the package: its source may change."""
+
+    assert Layout("double", (*own[1:], Other())).described is None

@@ -22,8 +22,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from tp_jax._files import replaced
 from tp_jax.acquisition.calibration import PARAMETERS, Calibration, SensorCalibration
-from tp_jax.acquisition.files import replace_file
 from tp_jax.errors import InputError
 
 _SENSORS = ("phi1", "phi2")
@@ -52,9 +52,10 @@ def read_calibration(path: str | os.PathLike[str]) -> Calibration:
     return Calibration(sensors, str(file))
 
 
-def write_calibration(path: str | os.PathLike[str], calibration: Calibration) -> None:
+def write_calibration(path: str | Path, calibration: Calibration) -> None:
     """Writes a calibration; a file that is there is replaced at once and whole."""
-    replace_file(Path(path), to_toml(calibration).encode())
+    with replaced(path) as part:
+        part.write_text(to_toml(calibration), encoding="utf-8", newline="\n")
 
 
 def to_toml(calibration: Calibration) -> str:

@@ -5,7 +5,7 @@ import os
 import tomllib
 from pathlib import Path
 
-from tp_jax.acquisition.files import replace_file
+from tp_jax._files import replaced
 from tp_jax.acquisition.metadata import metadata_path
 from tp_jax.acquisition.recorded import Recorded
 from tp_jax.errors import InputError
@@ -76,7 +76,9 @@ def append_entry(folder: Path, recorded: Recorded) -> bool:
     entry = _entry(recorded)
     try:
         old = _read(file) if file.exists() else _new(folder, recorded)
-        replace_file(file, _with_entry(file, old, entry).encode())
+        text = _with_entry(file, old, entry)
+        with replaced(file) as part:
+            part.write_text(text, encoding="utf-8", newline="\n")
     except OSError as fault:
         raise InputError(
             f"Cannot write {file}: {fault.strerror}; the recording is in {recorded.path}."

@@ -37,9 +37,9 @@ from typing import Any
 
 import numpy as np
 
+from tp_jax._files import replaced
 from tp_jax.acquisition.calibration import Calibration, SensorCalibration
 from tp_jax.acquisition.clock import ClockFit
-from tp_jax.acquisition.files import replace_file
 from tp_jax.acquisition.protocol import Identity
 
 SCHEMA = "tp-jax/recording/1"
@@ -54,7 +54,8 @@ def write_metadata(recording: Path, content: Mapping[str, Any]) -> dict[str, Any
     """Writes or replaces a recording's metadata; returns them in JSON's own types."""
     plain = _plain(content)
     text = json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    replace_file(metadata_path(recording), text.encode())
+    with replaced(metadata_path(recording)) as part:
+        part.write_text(text, encoding="utf-8", newline="\n")
     return plain
 
 

@@ -6,13 +6,13 @@ second, so that a slow disk never makes the reader wait.
 """
 
 import os
-import stat
 import threading
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from tp_jax._files import replaced
 from tp_jax.errors import InputError
 
 SYNC_PERIOD = 1.0
@@ -92,16 +92,8 @@ def scale_time(path: Path, factor: float) -> None:
     Raises:
         OSError: the file system refuses; the file is as it was.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with path.open("rb") as source, part.open("wb") as target:
-            target.write(source.readline())
-            for line in source:
-                time, _, rest = line.partition(b",")
-                target.write(b"%.17g,%s" % (float(time) * factor, rest))
-            target.flush()
-            os.fsync(target.fileno())
-        part.chmod(stat.S_IMODE(path.stat().st_mode))
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    with replaced(path) as part, path.open("rb") as source, part.open("wb") as target:
+        target.write(source.readline())
+        for line in source:
+            time, _, rest = line.partition(b",")
+            target.write(b"%.17g,%s" % (float(time) * factor, rest))

@@ -8,11 +8,11 @@ with, refitted to the fitted recordings of the case.
 import dataclasses
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import replaced
 from tp_jax.blind.seal import diagnosis_file
 from tp_jax.effects import catalogue
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
@@ -43,9 +43,8 @@ def measured(
         if known.pop("diagnosis_sha256", None) == digest:
             return known
     found = _measure(root, entry, diagnosis)
-    part = kept.with_name(f".{kept.name}.{os.getpid()}")
-    part.write_text(json.dumps({"diagnosis_sha256": digest, **found}) + "\n", encoding="utf-8")
-    os.replace(part, kept)
+    with replaced(kept) as part:
+        part.write_text(json.dumps({"diagnosis_sha256": digest, **found}) + "\n", encoding="utf-8")
     return found
 
 

@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import stat
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -11,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tp_jax import _files
 from tp_jax.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,24 +23,16 @@ STANDARD_OUTPUT = "-"
 def replaced(target: str | Path) -> Iterator[Path]:
     """A path to write to; what was written takes the target's place when the block ends well.
 
-    Missing folders are made. A target that is no regular file (/dev/null, a pipe) is written to
-    directly. What the file system refuses at this place is an `InputError`.
+    As `_files.replaced`; missing folders are made, and what the file system refuses at this place
+    is an `InputError`.
     """
-    path = Path(os.path.realpath(target))  # through links: they are to keep pointing there
-    # beside the target, so that replacing is one step; the suffix tells libraries the format
-    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    path, part = Path(os.path.realpath(target)), None
+    if path.is_dir():
+        raise InputError(f"Cannot write {target}: it is a folder.")
     try:
-        if path.exists() and not stat.S_ISREG(path.stat().st_mode):
-            if path.is_dir():
-                raise InputError(f"Cannot write {target}: it is a folder.")
-            yield path
-            return
         path.parent.mkdir(parents=True, exist_ok=True)
-        try:
+        with _files.replaced(target) as part:
             yield part
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
     except BrokenPipeError:
         raise
     except OSError as fault:

@@ -2,11 +2,11 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import replaced
 from tp_jax.errors import InputError
 
 SCHEMA = "tp-jax/starts/1"
@@ -66,9 +66,5 @@ class Checkpoint:
             {"schema": SCHEMA, "sha256": self.digest, "key": self.key, "done": self.done}
         )
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        part = self.path.with_name(f".{self.path.name}.{os.getpid()}")
-        try:
+        with replaced(self.path) as part:
             part.write_text(text, encoding="utf-8")
-            os.replace(part, self.path)
-        finally:
-            part.unlink(missing_ok=True)

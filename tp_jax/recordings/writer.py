@@ -1,14 +1,15 @@
 """Writing recordings as CSV."""
 
-import os
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tp_jax._files import replaced
+
 
 def write_csv(
-    path: str | os.PathLike[str], t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None
+    path: str | Path, t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None
 ) -> None:
     """Writes a recording: header `t,phi1,phi2` (without phi2: `t,phi1`), 17 significant digits.
 
@@ -32,13 +33,6 @@ def write_csv(
             f"{name} {array.shape}" for name, array in zip(columns, arrays, strict=True)
         )
         raise ValueError(f"The columns must be one-dimensional and of one length, but are {shapes}")
-    target = Path(path)
-    # In the same folder, since a file can be renamed at once only within one file system.
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        with part.open("w", encoding="utf-8", newline="\n") as stream:
-            stream.write(",".join(columns) + "\n")
-            np.savetxt(stream, np.column_stack(arrays), fmt="%.17g", delimiter=",")
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)  # gone already where all went well
+    with replaced(path) as part, part.open("w", encoding="utf-8", newline="\n") as stream:
+        stream.write(",".join(columns) + "\n")
+        np.savetxt(stream, np.column_stack(arrays), fmt="%.17g", delimiter=",")

@@ -1,10 +1,10 @@
 """The figures of a report as files of their own, for slides and papers."""
 
-import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from tp_jax._files import replaced
 from tp_jax.report import style
 from tp_jax.report.pictures import Picture
 
@@ -30,12 +30,8 @@ def write_figures(drawn: Sequence[Picture], folder: Path) -> None:
     for one in drawn:
         for kind in ("png", "svg"):
             target = folder / f"{one.name}.{kind}"
-            part = folder / f".{one.name}.{os.getpid()}.{kind}"
-            try:
+            with replaced(target) as part:
                 style.save(one.figure, part)
-                os.replace(part, target)
-            finally:
-                part.unlink(missing_ok=True)
             written.add(target.name)
     stale = folder.iterdir() if folder.is_dir() else ()
     for path in list(stale):

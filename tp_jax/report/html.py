@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import replaced
 from tp_jax._version import __version__
 from tp_jax.report import pictures, reading, run_tables, style, tables, verdict, words
 from tp_jax.report.figure_files import FOLDER, write_figures
@@ -36,18 +37,10 @@ def write_report(
     """
     drawn = pictures.pictures(diagnosis)
     text = _page(diagnosis, drawn)
-    target = Path(os.path.realpath(path))  # through links: they are to keep pointing there
-    if target.exists() and not target.is_file():
-        target.write_text(text, encoding="utf-8")  # a folder says so itself, a device takes it
-        return
-    # in the same folder, since a file can be renamed at once only within one file system
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
+    target = Path(os.path.realpath(path))
+    with replaced(target) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
-    if figures:
+    if figures and target.is_file():  # none beside /dev/null
         write_figures(drawn.every(), target.parent / FOLDER)
 
 

@@ -1,10 +1,10 @@
 """All figures of an analysis as PNG."""
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import replaced
 from tp_jax.errors import InputError
 from tp_jax.report import style
 from tp_jax.report.sensitivity import (
@@ -64,11 +64,7 @@ def write_figures(analysis: Mapping[str, Any], folder: str | Path) -> list[Path]
         if figure is None:
             target.unlink(missing_ok=True)  # of an earlier analysis
             continue
-        part = folder / f".{name}.{os.getpid()}.png"
-        try:
+        with replaced(target) as part:
             style.save(figure, part)
-            os.replace(part, target)
-        finally:
-            part.unlink(missing_ok=True)
         written.append(target)
     return written

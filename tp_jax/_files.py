@@ -1,0 +1,36 @@
+"""Files that appear or change at once and whole: a reader sees the old or the new one."""
+
+import os
+import stat
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def replaced(target: str | Path) -> Iterator[Path]:
+    """A path to write to; what was written takes the target's place when the block ends well.
+
+    A link goes on pointing where it did, and a file that is replaced keeps its permissions. A
+    target that is no regular file (/dev/null, a pipe) is written to directly.
+
+    Raises:
+        OSError: the file system refuses; what was there stays as it was.
+    """
+    path = Path(os.path.realpath(target))
+    if path.exists() and not path.is_file():
+        yield path  # a folder says so itself
+        return
+    # In the same folder, since a file can be renamed at once only within one file system. The
+    # suffix tells libraries the format; a name of its own, since several may write at once.
+    part = path.with_name(f".{path.stem}.{uuid.uuid4().hex}{path.suffix}")
+    try:
+        yield part
+        with part.open("rb") as stream:  # on the disk before it has the name
+            os.fsync(stream.fileno())
+        if path.exists():
+            part.chmod(stat.S_IMODE(path.stat().st_mode))
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)  # gone already where all went well
