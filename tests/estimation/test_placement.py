@@ -60,3 +60,19 @@ def test_many_tiny_windows_do_not_crowd_a_lane():
     w = windows([np.full(400, 2)])
     places = place(w, np.ones(400), 1024, WIDTH)
     assert places[:, 3].max() < 1024 // SHORTEST
+
+
+def test_more_blocks_than_needed_where_one_recording_takes_most():
+    """Else its windows queue up in the few lanes that its samples need, and one thread waits."""
+    w = windows([np.full(10, 250)] * 5)
+    cost = np.where(w.recording == 4, 750.0, 220.0)
+    needed = -(-5 * 3 // WIDTH)
+    found = loads(place(w, cost, 1024, WIDTH), cost).reshape(-1, WIDTH).max(axis=1)
+    assert found.size > needed
+    assert found.max() == 750.0
+    assert WIDTH * found.sum() < 1.25 * cost.sum()
+
+
+def test_no_more_blocks_than_needed_where_all_take_the_same():
+    w = windows([np.full(4, 250)] * 16)
+    assert place(w, np.full(w.n, 200.0), 1024, WIDTH)[:, 0].max() == 1

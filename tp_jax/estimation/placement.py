@@ -14,6 +14,9 @@ from tp_jax.estimation.windows import Prepared, Windows
 
 PER_SAMPLE, PER_REVERSAL = 0.56, 43.0  # steps of the engine
 SHORTEST = 8  # samples: a window takes as much room at least, so that a lane holds not too many
+MORE = 2  # blocks that there may be beyond those that the samples need
+PER_BLOCK = 60.0  # steps that the readings of a block and its way there and back take as long as
+OF_BOTH = 0.2  # weight of what both threads take beside what the longer one takes
 AT_REST = 3.0  # standard errors below which a velocity has no sign
 
 
@@ -40,16 +43,33 @@ def place(windows: Windows, cost: np.ndarray, capacity: int, width: int) -> np.n
     """Block, lane within it, first sample within the lane, and rank there of every window (w, 4).
 
     A lane has one set of numbers, so it holds windows of one recording only. There are as many
-    blocks as the samples need.
+    blocks as the samples need, or a few more where two threads are then done sooner: with as few
+    lanes as can hold it, a recording of many reversals may take as long as all others together.
 
     Args:
         windows: what is to be placed. cost: (w,) of each.
         capacity: samples of a lane. width: lanes of a block.
     """
+    found = [_place(windows, cost, capacity, width, more) for more in range(MORE + 1)]
+    return min(found, key=lambda places: _time(places, cost))
+
+
+def _time(places: np.ndarray, cost: np.ndarray) -> float:
+    """What two threads take for blocks, each of which takes as long as its slowest lane."""
+    lanes = np.zeros((int(places[:, 0].max()) + 1, int(places[:, 1].max()) + 1))
+    np.add.at(lanes, (places[:, 0], places[:, 1]), cost)
+    threads = [0.0, 0.0]
+    for block in map(float, lanes.max(axis=1)):  # slow ones first
+        threads[threads.index(min(threads))] += block + PER_BLOCK
+    return max(threads) + OF_BOTH * sum(threads)
+
+
+def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: int) -> np.ndarray:
+    """With so many blocks more than the samples need."""
     groups = [np.flatnonzero(windows.recording == r) for r in np.unique(windows.recording)]
     room_for = np.maximum(windows.count, SHORTEST)
     lanes = [_least(room_for[g], cost[g], capacity) for g in groups]
-    room = -(-sum(map(len, lanes)) // width) * width - sum(map(len, lanes))
+    room = (-(-sum(map(len, lanes)) // width) + more) * width - sum(map(len, lanes))
     for _ in range(room):  # one more for the recording whose slowest lane is the slowest of all
         worst = [max(cost[g[lane]].sum() for lane in at) if len(at) < g.size else -1.0
                  for g, at in zip(groups, lanes, strict=True)]  # fmt: skip

@@ -31,7 +31,8 @@ class Linearisation:
     r: (w, m) residuals in units of the noise, padded with zeros; rows are samples x channels,
     then four of the prior. states_jac: (w, m, 4). slots_jac: (w, m, d), by slot in `slots` (the
     same slot of different recordings is one column here). valid: (w, m) bool. states: (w, n, 4).
-    complete: (w,).
+    complete: (w,). own: (w, k) effects' own states at the windows' ends, where it was asked for no
+    slots.
     """
 
     r: np.ndarray
@@ -42,6 +43,7 @@ class Linearisation:
     complete: np.ndarray
     slots: tuple[str, ...]
     recording: np.ndarray
+    own: np.ndarray | None = None
 
     @property
     def n_samples(self) -> int:
@@ -182,13 +184,61 @@ class Problem:
             object.__setattr__(self, "_cached_blocks", cached)
         return cached
 
-    def linearise(self, values: Values, states: np.ndarray, slots: Sequence[str]) -> Linearisation:
+    def follow(
+        self, values: Values, recordings: Sequence[int], states: np.ndarray
+    ) -> list[np.ndarray]:
+        """Readings (n, 2) [rad] of whole recordings that run freely, never corrected.
+
+        Taken piece by piece by the program that fits windows. What an effect remembers begins at
+        rest. What cannot be integrated is NaN.
+
+        Args:
+            values: all numbers.
+            recordings: which.
+            states: (r, 4) at their first samples.
+        """
+        n = [self.prepared[r].t.size for r in recordings]
+        out = [np.full((size, 2), np.nan) for size in n]
+        going, own, states = list(range(len(n))), None, np.array(states, dtype=float)
+        for first in range(0, max(n) - 1, self.capacity - 1):
+            going = [i for i in going if first < n[i] - 1]
+            if not going:
+                break
+            count = [min(self.capacity, n[i] - first) for i in going]
+            windows = Windows(
+                np.array([recordings[i] for i in going]), np.full(len(going), first),
+                np.array(count), self.windows.horizon,
+            )  # fmt: skip
+            part = dataclasses.replace(self, windows=windows)
+            lin = part.linearise(values, states[going], (), own=None if own is None else own[going])
+            assert lin.own is not None
+            own = np.zeros((len(n), lin.own.shape[1])) if own is None else own
+            for k, (i, c) in enumerate(zip(going, count, strict=True)):
+                p = self.prepared[recordings[i]]
+                span = slice(first, first + c)
+                error = lin.r[k, : 2 * c].reshape(c, 2) * self.sigma
+                out[i][span] = np.where(p.channels, p.y[span] + error, lin.states[k, :c, :2])
+                states[i], own[i] = lin.states[k, c - 1], lin.own[k]
+                if not lin.complete[k]:
+                    out[i][first:] = np.nan
+            going = [i for k, i in enumerate(going) if lin.complete[k]]
+        return out
+
+    def linearise(
+        self,
+        values: Values,
+        states: np.ndarray,
+        slots: Sequence[str],
+        own: np.ndarray | None = None,
+    ) -> Linearisation:
         """Residuals and derivatives of all windows.
 
         Args:
             values: all numbers.
             states: (w, 4) initial states of the windows.
-            slots: names to differentiate by; any number, taken in fixed portions.
+            slots: names to differentiate by beside the states; any number, taken in fixed
+                portions, and none in a program of its own.
+            own: (w, k) the effects' own states there; from the motion until there if None.
         """
         index = [self.layout.index[s] for s in slots]
         active = self.programs.active(values.table)
@@ -196,7 +246,7 @@ class Problem:
         # neighbours are of different programs, so that two of them are compiled at once
         jobs = [(b, d) for b in range(len(self.blocks())) for d in range(len(portions))]
         spare = self.layout.index["reaction"]
-        own = {ids: self.own_states(values, ids) for _, ids in portions}
+        past = {ids: self.own_states(values, ids) if own is None else own for _, ids in portions}
 
         def run(job):
             b, d = job
@@ -207,11 +257,11 @@ class Problem:
             p[:, lane] = values.table[:, self.windows.recording[which]]
             x0 = np.zeros((self.capacity, self.layout.n_states(ids), LANES))
             x0[at, :4, lane] = states[which]
-            x0[at, 4:, lane] = own[ids][which]
+            x0[at, 4:, lane] = past[ids][which]
             directions = [index[k] for k in part]
             directions += [spare] * (self._width(ids, len(part)) - len(part))
             out = linearise(
-                self.layout, self.tolerances, ids, p, x0, block, np.array(directions),
+                self.layout, self.tolerances, ids, p, x0, block, np.array(directions, dtype=int),
             )  # fmt: skip
             return [np.asarray(a) for a in out]
 
@@ -224,7 +274,10 @@ class Problem:
         """Directions of a call to a program that is asked for so many.
 
         Most of what is asked of effects with states of their own is one amplitude at many shapes.
+        A call that asks for nothing takes a quarter of the time.
         """
+        if not asked:
+            return 0
         few = self.layout.n_states(ids) > 4 or len(self.layout.amplitudes(ids)) <= FEW
         return FEW if few and asked <= FEW else DIRECTIONS
 
@@ -245,7 +298,7 @@ class Problem:
             linearise(
                 self.layout, self.tolerances, ids, np.ones((len(self.layout.parameters), LANES)),
                 np.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
-                np.array([spare] * self._width(ids, 0)),
+                np.array([spare] * self._width(ids, 1)),
             )  # fmt: skip
 
         pool = ThreadPoolExecutor(2)
@@ -264,8 +317,9 @@ class Problem:
         states = np.zeros((nw, n, nc))
         complete = np.zeros(nw, dtype=bool)
         valid = np.zeros((nw, m), dtype=bool)
+        own = None if slots else np.zeros((nw, results[0, 0][-1].shape[2]))
         for (b, d), out in results.items():
-            res, jac, prior_r, prior_jac, y, done, _ = out
+            res, jac, prior_r, prior_jac, y, done, _, rest = out
             which, places, block = self.blocks()[b]
             mine = portions[d]
             end = nc + len(mine)
@@ -283,11 +337,13 @@ class Problem:
                 states_jac[i, : 2 * c] = part[:, :4]
                 states_jac[i, -4:] = prior_jac[lane, rank, :, :4]
                 states[i, :c], complete[i] = y[lane, span], done[lane]
+                if own is not None:
+                    own[i] = rest[lane, at + c - 1]
                 valid[i, : 2 * c] = weight[span, :, lane].reshape(-1) > 0
         for a in (r, states_jac, slots_jac):  # what is not finite must not spoil the rest
             a[~complete] = 0.0
         return Linearisation(
-            r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording
+            r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording, own
         )
 
 

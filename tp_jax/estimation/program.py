@@ -49,7 +49,8 @@ class Linearised(NamedTuple):
     """Weighted residuals (model - data) of a block and their Jacobian.
 
     r: (L, n, 2); jac: (L, n, 2, 4 + d); prior_r: (L, W, 4); prior_jac: (L, W, 4, 4 + d);
-    states: (L, n, 4); complete: (L,); steps: (L,). Effects' own states do not appear.
+    states: (L, n, 4); complete: (L,); steps: (L,); own: (L, n, k) the effects' own states, by which
+    nothing is differentiated.
     """
 
     r: Float[Array, "L n 2"]
@@ -59,6 +60,7 @@ class Linearised(NamedTuple):
     states: Float[Array, "L n 4"]
     complete: Bool[Array, " L"]
     steps: Int[Array, " L"]
+    own: Float[Array, "L n k"] | None = None
 
 
 for _kind in (Block, Linearised, Integrated):
@@ -175,8 +177,8 @@ def linearise(
         block: the data.
         directions: slots to differentiate by.
     """
-    run = _integrate(layout, tolerances, ids, p, x0, block, directions)
-    return _observe(layout, p, block, directions, run)
+    run, own = _integrate(layout, tolerances, ids, p, x0, block, directions)
+    return _observe(layout, p, block, directions, run)._replace(own=own)
 
 
 def _described(layout: Layout, *rest: Any) -> str | None:
@@ -190,8 +192,8 @@ def _described(layout: Layout, *rest: Any) -> str | None:
 
 
 @functools.partial(Stored, static=3, describe=_described)
-def _integrate(layout, tolerances, ids, p, x0, block, directions) -> Integrated:
-    """States and tangents of a block's windows."""
+def _integrate(layout, tolerances, ids, p, x0, block, directions):
+    """States and tangents of a block's windows, and the effects' own states (L, n, k)."""
     kind = (tolerances, block.pieces is None)
     TRACES.append((layout, ids, p.shape, block.ts.shape, directions.shape, kind))
 
@@ -204,7 +206,7 @@ def _integrate(layout, tolerances, ids, p, x0, block, directions) -> Integrated:
     # What follows knows angles and velocities only, and is compiled once for all.
     own = slice(4, x0.shape[1])
     s = jnp.delete(run.s, own, axis=3, assume_unique_indices=True)
-    return run._replace(y=run.y[..., :4], s=s)
+    return run._replace(y=run.y[..., :4], s=s), run.y[..., 4:]
 
 
 @functools.partial(Stored, static=1, describe=_described)
@@ -223,10 +225,12 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     depends = set(layout.depends(layout.sensing)) & set(layout.estimable)
 
     def observed(f, t, y, q, s):
-        """Values (k, m, L) and derivatives (k, 4 + d, m, L) at m samples; s: (4, 4 + d, m, L)."""
+        """Values (k, m, L) and derivatives (L, m, k, 4 + d) at m samples; s: (L, m, 4, 4 + d)."""
         value, by_state, by_slot = _derivatives(f, t, y, q, depends)
-        jac = sum(by_state[k][:, None] * s[k][None] for k in range(4))
-        return value, jac.at[:, len(y) :].add(jnp.take(by_slot, directions, axis=1))
+        # what is large, s and the result, stays as it lies in memory
+        jac = sum(by_state[k].T[..., None] * s[:, :, k, None, :] for k in range(4))
+        direct = jnp.take(by_slot, directions, axis=1).transpose(3, 2, 0, 1)
+        return value, jac + jnp.pad(direct, ((0, 0), (0, 0), (0, 0), (len(y), 0)))
 
     @jax.jit
     def readings(t, y, q):
@@ -252,12 +256,11 @@ def _observe(layout, p, block, directions, run) -> Linearised:
         return jnp.take_along_axis(x, block.begins, axis=0)
 
     arguments = (*wide, *piece, left) if measured else wide
-    s = run.s.transpose(2, 3, 1, 0)  # (c, m, n, L)
-    value, jac = observed(readings, block.ts, y, arguments, s)
+    value, jac = observed(readings, block.ts, y, arguments, run.s)
     first = tuple(begin(q) for q in arguments)
-    lane = jnp.arange(block.ts.shape[1])
+    lane = jnp.arange(block.ts.shape[1])[:, None]
     prior, prior_jac = observed(
-        and_rates, begin(block.ts), tuple(map(begin, y)), first, s[:, :, block.begins, lane]
+        and_rates, begin(block.ts), tuple(map(begin, y)), first, run.s[lane, block.begins.T]
     )
     weight = block.weight.transpose(1, 0, 2)
     prior_weight = block.prior_weight.transpose(1, 0, 2)
@@ -265,9 +268,9 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     prior_r = (prior - block.prior.transpose(1, 0, 2)) * prior_weight
     return Linearised(
         r=r.transpose(2, 1, 0),
-        jac=(jac * weight[:, None]).transpose(3, 2, 0, 1),
+        jac=jac * weight.T[..., None],
         prior_r=prior_r.transpose(2, 1, 0),
-        prior_jac=(prior_jac * prior_weight[:, None]).transpose(3, 2, 0, 1),
+        prior_jac=prior_jac * prior_weight.T[..., None],
         states=run.y,
         complete=run.complete & jnp.all(jnp.isfinite(r), axis=(0, 1)),
         steps=run.steps,

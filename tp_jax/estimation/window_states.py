@@ -89,6 +89,7 @@ def settle(
     damping = np.full(problem.windows.n, FIRST) if damping is None else damping.copy()
     damping = np.minimum(damping, 0.9 * HOPELESS)
     cost = costs(lin)
+    touched = np.zeros(problem.windows.n, dtype=bool)
     passes, total = 0.0, problem.windows.count.sum()
     for _ in range(ROUNDS):
         step, promise = state_steps(lin, damping)
@@ -98,22 +99,28 @@ def settle(
         open_ = in_turn(problem.windows, open_)
         part = of_windows(problem, open_)
         moved = states[open_] + np.clip(step[open_], -MAX_STATE_STEP, MAX_STATE_STEP)
-        new = robust(part.linearise(values, moved, slots), loss)
+        new = robust(part.linearise(values, moved, ()), loss)  # by the states alone: far cheaper
         passes += part.windows.count.sum() / total
         at_new = costs(new)
         better = at_new < cost[open_]
         gained = open_[better]
         states[gained], cost[gained] = moved[better], at_new[better]
+        touched[gained] = True
         put(lin, new, gained, better)
         damping[gained] = np.maximum(0.1 * damping[gained], 1e-9)
         damping[open_[~better]] = 30.0 * np.maximum(damping[open_[~better]], FIRST)
+    if slots and touched.any():
+        again = in_turn(problem.windows, np.flatnonzero(touched))
+        full = of_windows(problem, again).linearise(values, states[again], slots)
+        put(lin, robust(full, loss), again, np.ones(again.size, dtype=bool))
     return Settled(states, lin, passes, damping)
 
 
 def put(lin: Linearisation, part: Linearisation, where: np.ndarray, which: np.ndarray) -> None:
-    """Some windows' rows of a part into the whole."""
+    """Some windows' rows of a part into the whole; without derivatives by slots if it has none."""
     rows = part.r.shape[1] - 4
-    for name in ("r", "states_jac", "slots_jac", "valid"):
+    by_slots = ("slots_jac",) if part.slots else ()
+    for name in ("r", "states_jac", "valid", *by_slots):
         whole, new = getattr(lin, name), getattr(part, name)[which]
         whole[where, :rows] = new[:, :rows]
         whole[where, -4:] = new[:, -4:]

@@ -18,7 +18,7 @@ from tp_jax.gap.applicability import why_not
 from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import LEVEL, Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
-from tp_jax.gap.free_run import free_run, start_state
+from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.refit import Refit, removable
@@ -118,9 +118,9 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     if no_gap:
         final = Refit(baseline, ())
     ids = final.ids
-    start_before, free_before = _free(setting, baseline, (), horizon)
+    start_before, free_before = _free(setting, baseline, horizon)
     start_after, free_after = (
-        _free(setting, final.fit, ids, horizon) if ids else (start_before, free_before)
+        _free(setting, final.fit, horizon) if ids else (start_before, free_before)
     )
     labels = [r.label for r in setting.recordings]
     return {
@@ -177,13 +177,14 @@ def _excess(baseline: Fit, least: Floor) -> float:
     return float((baseline.chi2_dof - 1.0 - least.misfit.sum()) / error)
 
 
-def _free(setting: Setting, fit: Fit, ids: tuple[str, ...], horizon: float):
+def _free(setting: Setting, fit: Fit, horizon: float):
     """Start states and free runs of the held-out recordings."""
-    runs, starts = {}, {}
-    for i in setting.held_out:
-        starts[i] = start_state(setting, fit.values, i, horizon)
-        runs[i] = free_run(setting, fit.values, ids, i, starts[i])
-    return starts, runs if runs else None
+    which = list(setting.held_out)
+    starts = {i: start_state(setting, fit.values, i, horizon) for i in which}
+    if not which:
+        return starts, None
+    runs = free_runs(setting, fit.values, which, np.array([starts[i] for i in which]))
+    return starts, dict(zip(which, runs, strict=True))
 
 
 def _gap(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, float | None]:

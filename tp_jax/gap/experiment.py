@@ -1,17 +1,16 @@
 """The next experiment: which run would tell two effects apart that these data cannot."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
-from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import Problem, columns, spread
 from tp_jax.estimation.windows import Prepared, cut
-from tp_jax.gap.free_run import run_readings
 from tp_jax.gap.screen import Scored, pseudo_inverse
 
 DURATION = 10.0  # s
@@ -38,27 +37,32 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
     if not setting.sine or not omegas:
         return None
     grid = np.unique(np.round(np.linspace(0.7 * min(omegas), 1.15 * max(omegas), 6), 2))
-    record = fit_record(fit.values, (), [r.label for r in setting.recordings])
     step = float(np.median(np.diff(setting.prepared[0].t)))
     t = np.arange(0.0, DURATION + 0.5 * step, step)
-    prepared, table = [], []
+    table = []
     for omega in grid:
-        y = run_readings(pendulum(record, drive_for(record, omega=float(omega))), t, np.zeros(4))
-        v = np.gradient(y, t, axis=0)
-        sd = np.concatenate([np.tile(setting.sigma, (t.size, 1)), np.ones((t.size, 2))], axis=1)
-        channels = np.array([True, setting.rider])
-        prepared.append(Prepared(t, y, channels, np.concatenate([y, v], axis=1), sd, None))
         column = fit.values.table[:, setting.fitted[-1]].copy()
         index = setting.layout.index
         column[index["omega"]], column[index["running"]] = omega, 1.0
         column[index["drift_middle"]], column[index["drift_rate"]] = 0.5 * DURATION, 1.0 / DURATION
         table.append(column)
     values = Values(setting.layout, np.array(table).T)
-    windows = cut(prepared, fit.problem.windows.horizon)
-    problem = Problem(
-        setting.layout, tuple(prepared), windows, setting.sigma, setting.capacity,
-        setting.fixed["B1"],
-    )  # fmt: skip
+
+    def problem_of(readings: Sequence[np.ndarray]) -> Problem:
+        sd = np.concatenate([np.tile(setting.sigma, (t.size, 1)), np.ones((t.size, 2))], axis=1)
+        prepared = []
+        for y in readings:
+            smooth = np.concatenate([y, np.gradient(y, t, axis=0)], axis=1)
+            channels = np.array([True, setting.rider])
+            prepared.append(Prepared(t, y, channels, smooth, sd, None))
+        return Problem(
+            setting.layout, tuple(prepared), cut(prepared, fit.problem.windows.horizon),
+            setting.sigma, setting.capacity, setting.fixed["B1"], programs=setting.programs,
+        )  # fmt: skip
+
+    nothing = problem_of([np.zeros((t.size, 2))] * grid.size)
+    problem = problem_of(nothing.follow(values, range(grid.size), np.zeros((grid.size, 4))))
+    windows = problem.windows
     base = [u for u in fit.unknowns if u.recording is None]
     effects = [u for s in (a, b) for u in s.variant.unknowns if u.recording is None]
     if len(effects) < 2:

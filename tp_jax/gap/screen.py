@@ -3,9 +3,11 @@
 With the window states eliminated, the sum of squares is quadratic in the unknowns b of the fit
 and the amplitudes e of every effect at null. The efficient score of an effect, b re-optimised, is
 s = g_e - H_eb H_bb^-1 g_b with information V = H_ee - H_eb H_bb^-1 H_be; its predicted drop of the
-sum of squares is s' V^-1 s. What the calibration may have put the angles off belongs to b, with a
-prior (`calibration`). The score's covariance is taken from the scatter of the windows, in blocks of
-a second or more, since neighbouring windows are correlated by what the model lacks.
+sum of squares is s' V^-1 s, or less where that takes an amplitude beyond its bounds (many are at
+one at null: no friction gives way by a negative part). What the calibration may have put the angles
+off belongs to b, with a prior (`calibration`). The score's covariance is taken from the scatter of
+the windows, in blocks of a second or more, since neighbouring windows are correlated by what the
+model lacks.
 """
 
 import dataclasses
@@ -15,6 +17,7 @@ import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
+from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import columns, spread
@@ -27,9 +30,10 @@ from tp_jax.gap.directions import Variant, layers, variants
 class Scored:
     """One effect at one set of shape constants, seen from a fit.
 
-    drop: predicted fall of the sum of squares; estimate: (q,) predicted amplitudes; V: (q, q)
-    efficient information; blocks: (B, q) efficient scores by block; shift: (u,) predicted move of
-    the fit's unknowns; rows: what identifies the columns among all (`Screen.columns`).
+    drop: predicted fall of the sum of squares; estimate: (q,) predicted amplitudes, both within
+    the amplitudes' bounds; V: (q, q) efficient information; blocks: (B, q) efficient scores by
+    block; shift: (u,) predicted move of the fit's unknowns; rows: what identifies the columns among
+    all (`Screen.columns`).
     """
 
     variant: Variant
@@ -140,15 +144,28 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
     scored = []
     for variant, rows in order:
         Ve, s = V[rows, rows], total[rows]
-        inverse = pseudo_inverse(Ve)
-        estimate = -inverse @ s
+        estimate, drop = _predicted(variant, Ve, s)
         scored.append(
             Scored(
-                variant, float(s @ inverse @ s), estimate, Ve, by_block[:, rows],
+                variant, drop, estimate, Ve, by_block[:, rows],
                 -gain[: len(base), rows] @ estimate, rows,
             )
         )  # fmt: skip
     return Screen(tuple(scored), V, V_by_block, missing)
+
+
+def _predicted(variant: Variant, V: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, float]:
+    """Amplitudes (q,) within their bounds, and the drop of the sum of squares that they promise."""
+    inverse = pseudo_inverse(V)
+    estimate = -inverse @ s
+    bounds = {variant.effect.qualified(a.name): a for a in variant.effect.amplitudes}
+    low, high = np.array(
+        [(bounds[u.name].lower, bounds[u.name].upper) for u in variant.unknowns]
+    ).T  # fmt: skip
+    if np.all((estimate >= low) & (estimate <= high)):
+        return estimate, float(s @ inverse @ s)
+    step = bounded_step(s, V, low, high, 0.0)
+    return step.du, max(step.promise, 0.0)
 
 
 def pseudo_inverse(V: np.ndarray) -> np.ndarray:
