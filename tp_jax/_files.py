@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 @contextmanager
-def replaced(target: str | Path) -> Iterator[Path]:
+def replaced(target: str | os.PathLike[str]) -> Iterator[Path]:
     """A path to write to; what was written takes the target's place when the block ends well.
 
     A link goes on pointing where it did, and a file that is replaced keeps its permissions. A

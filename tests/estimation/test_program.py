@@ -13,9 +13,9 @@ def test_a_trace_for_each_group_serves_all():
     assert len(amplitudes) > 2 * DIRECTIONS
     problem = bench_problem(0.25, (0, 1))
     base = ("k", "A", "c1", "M1", "Ts1")
-    # few directions, many, and every family of effects
+    # no directions, few, many, and every family of effects
     for slots in (
-        ("k",), base, ("contact_stribeck.a",), ("spring_asymmetry.a",), ("column_cable.a",),
+        (), ("k",), base, ("contact_stribeck.a",), ("spring_asymmetry.a",), ("column_cable.a",),
         ("base_compliance.a",),
     ):  # fmt: skip
         problem.linearise(values, problem.initial_states(), slots)

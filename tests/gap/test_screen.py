@@ -19,16 +19,28 @@ def variant(id):
     [(-2.0, 0.5, 1.0), (3.0, 0.0, 0.0), (-8.0, 1.0, 12.0)],  # within 0 to 1, below, beyond
 )
 def test_a_friction_gives_way_by_no_negative_part(score, estimate, drop):
-    found, gain = _predicted(variant("contact_presliding"), np.array([[4.0]]), np.array([score]))
+    found, gain, free = _predicted(
+        variant("contact_presliding"), np.array([[4.0]]), np.array([score])
+    )
     np.testing.assert_allclose(found, [estimate], atol=1e-12)
     assert gain == pytest.approx(drop, abs=1e-9)
+    assert free == pytest.approx(score**2 / 4.0)
 
 
 def test_what_a_bound_stops_another_amplitude_makes_up_for():
     """Of two, in the metric of V: the best point on the edge, not the nearest corner."""
     V, score = np.array([[4.0, 1.0], [1.0, 2.0]]), np.array([-8.0, 0.0])
-    found, gain = _predicted(variant("contact_position"), V, score)
+    found, gain, free = _predicted(variant("contact_position"), V, score)
     np.testing.assert_allclose(found, [1.0, -0.5])
     assert gain == pytest.approx(-(2.0 * score @ found + found @ V @ found))
-    within, _ = _predicted(variant("spring_asymmetry"), V[:1, :1], score[:1])
+    assert gain < free
+    within, *_ = _predicted(variant("spring_asymmetry"), V[:1, :1], score[:1])
     np.testing.assert_allclose(within, [2.0])  # has no bounds
+
+
+def test_what_the_data_do_not_know_stays_at_null():
+    """Or rounding would send it to a bound."""
+    V, score = np.diag([4.0, 1e-30]), np.array([-8.0, 1e-20])
+    found, gain, _ = _predicted(variant("contact_position"), V, score)
+    np.testing.assert_allclose(found, [1.0, 0.0])
+    assert gain == pytest.approx(12.0)

@@ -52,7 +52,7 @@ def read_calibration(path: str | os.PathLike[str]) -> Calibration:
     return Calibration(sensors, str(file))
 
 
-def write_calibration(path: str | Path, calibration: Calibration) -> None:
+def write_calibration(path: str | os.PathLike[str], calibration: Calibration) -> None:
     """Writes a calibration; a file that is there is replaced at once and whole."""
     with replaced(path) as part:
         part.write_text(to_toml(calibration), encoding="utf-8", newline="\n")

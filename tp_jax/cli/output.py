@@ -27,9 +27,9 @@ def replaced(target: str | Path) -> Iterator[Path]:
     is an `InputError`.
     """
     path, part = Path(os.path.realpath(target)), None
-    if path.is_dir():
-        raise InputError(f"Cannot write {target}: it is a folder.")
     try:
+        if path.is_dir():
+            raise InputError(f"Cannot write {target}: it is a folder.")
         path.parent.mkdir(parents=True, exist_ok=True)
         with _files.replaced(target) as part:
             yield part

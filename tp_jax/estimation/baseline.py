@@ -20,7 +20,7 @@ from tp_jax.estimation.problem import Problem, sample_capacity
 from tp_jax.estimation.program import Programs
 from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.variable_projection import fit
-from tp_jax.estimation.windows import Prepared, Windows, cut, prepare
+from tp_jax.estimation.windows import Prepared, cut, prepare
 from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
 from tp_jax.recordings import Campaign, Recording, noise_floor, stretches
@@ -297,9 +297,3 @@ def handed_on(before: Fit, problem: Problem) -> np.ndarray:
             j = same[0]
             states[i] = before.linearisation.states[j, new.first[i] - old.first[j], :4]
     return states
-
-
-def single_windows(setting: Setting) -> Windows:
-    """All recordings uncut, for free runs."""
-    n = [p.t.size for p in setting.prepared]
-    return Windows(np.arange(len(n)), np.zeros(len(n), int), np.array(n), np.inf)

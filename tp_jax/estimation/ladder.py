@@ -14,7 +14,7 @@ import numpy as np
 from tp_jax.estimation.baseline import Setting, handed_on
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit, parameter
-from tp_jax.estimation.problem import Problem, columns
+from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.variable_projection import fit as fit_projected
 from tp_jax.estimation.window_states import in_turn, of_windows, settle
@@ -111,9 +111,8 @@ class Ladder:
         unknowns, passes = self.setting.unknowns(), 0.0
         if states is None:
             states = problem.initial_states(values)
-            slots = columns(unknowns)
-            lin = robust(problem.linearise(values, states, slots), self.loss)
-            found = settle(problem, values, states, lin, slots, loss=self.loss)
+            lin = robust(problem.linearise(values, states, ()), self.loss)
+            found = settle(problem, values, states, lin, (), loss=self.loss)
             states, passes = found.states, 1.0 + found.passes
         fit = fit_projected(
             problem, values, unknowns, states, bounds=self.setting.bounds,

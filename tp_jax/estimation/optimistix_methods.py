@@ -122,7 +122,7 @@ def fit(
             converged, message = True, "Another run of the method would gain nothing."
             break
         own = np.clip(elim.state_step, -MAX_STATE_STEP, MAX_STATE_STEP) if run == 0 else 0.0
-        needed = len(problem.blocks()) if blocks is None else blocks
+        needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
         windows = traced(
             problem, values, states + own, elim.state_gain, unknowns, specs, anchors, needed
         )

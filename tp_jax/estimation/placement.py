@@ -77,10 +77,10 @@ def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: 
         if worst[i] < 0.0:
             break
         g = groups[i]
-        more = _shared(room_for[g], cost[g], capacity, len(lanes[i]) + 1)
-        if more is None:
+        split = _shared(room_for[g], cost[g], capacity, len(lanes[i]) + 1)
+        if split is None:
             break
-        lanes[i] = more
+        lanes[i] = split
     every = [np.sort(g[lane]) for g, at in zip(groups, lanes, strict=True) for lane in at]
     every.sort(key=lambda lane: -cost[lane].sum())  # slow ones together
     places = np.zeros((windows.n, 4), dtype=int)

@@ -8,7 +8,7 @@ import numpy as np
 
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.placement import SHORTEST, expected_steps, place
-from tp_jax.estimation.program import Block, Programs, linearise, remember
+from tp_jax.estimation.program import NONE, Block, Programs, linearise, remember
 from tp_jax.estimation.windows import Prepared, Windows
 from tp_jax.simulation.lanes import Tolerances
 
@@ -284,26 +284,29 @@ class Problem:
     def compile_ahead(self, active: frozenset[str], states: bool = True) -> None:
         """Has the programs compiled, in threads of their own, that look at every effect.
 
+        And the one that settles windows with what is there.
+
         Args:
             active: effects that have amplitudes.
             states: whether effects with states of their own are to be looked at too.
         """
         families = [f for f in self.layout.families if states or f <= self.programs.plain]
         programs = dict.fromkeys(self.programs.cover(active, family) for family in families)
+        settling = self.programs.cover(active, NONE)
         spare = self.layout.index["reaction"]
 
-        def run(ids: frozenset[str]) -> None:
+        def run(ids: frozenset[str], asked: int) -> None:
             nothing = np.zeros((0, 0), dtype=int)
             block = self._block(nothing, nothing.reshape(0, 4))
             linearise(
                 self.layout, self.tolerances, ids, np.ones((len(self.layout.parameters), LANES)),
                 np.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
-                np.array([spare] * self._width(ids, 1)),
+                np.array([spare] * self._width(ids, asked), dtype=int),
             )  # fmt: skip
 
         pool = ThreadPoolExecutor(2)
-        for ids in programs:
-            pool.submit(run, ids)
+        for ids, asked in ((settling, 0), *((ids, 1) for ids in programs)):
+            pool.submit(run, ids, asked)
         pool.shutdown(wait=False)
 
     def _assemble(

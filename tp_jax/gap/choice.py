@@ -159,16 +159,21 @@ def _earned(drop: float, error: float, gap: float, result: Refit) -> bool:
 
 
 def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:
-    """The effects worth a refit, best first.
+    """The effects worth a refit, best first; one at least.
 
+    Not those that could only help with the wrong sign.
     A refit knows nothing of the calibration's error. Where that is known, an effect of a sensor
     must therefore stand out in the screen, which does, or it would be credited with that error.
     """
-    ranked = seen.best()
+    every = seen.best()
+    ranked = [s for s in every if s.drop > 0.0] or every[:1]
     if not any(r.calibration_error for r in setting.recordings):
         return ranked
     sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < LEVEL}
-    return [s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")]
+    worth = [
+        s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")
+    ]
+    return worth or ranked[:1]
 
 
 def _most_promising(

@@ -56,7 +56,7 @@ def _inverse_root(V: np.ndarray) -> np.ndarray:
 
 def tied_groups(screen: Screen) -> list[list[str]]:
     """Pairs of effects, at their best shapes, whose projected directions are nearly parallel."""
-    best = [s for s in screen.best() if s.drop >= 0.0]
+    best = screen.best()
     groups = []
     for i, a in enumerate(best):
         for b in best[i + 1 :]:

@@ -269,7 +269,10 @@ def _candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrin
                 "predicted_shrink": float(np.clip(s.drop / gap, 0.0, 1.0)) if significant else None,
                 "realised_shrink": realised.value if realised else None,
                 "probability": probabilities.get(s.id, 0.0),
-                "p": float(first.structure.by_variant[first.screen.scored.index(s)]),
+                # of the wrong sign, a score is no evidence however large
+                "p": float(first.structure.by_variant[first.screen.scored.index(s)])
+                if s.drop > 0.0
+                else 1.0,
             }
         )
     rows.sort(key=lambda row: -row["probability"])

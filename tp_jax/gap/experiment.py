@@ -43,7 +43,7 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
     for omega in grid:
         column = fit.values.table[:, setting.fitted[-1]].copy()
         index = setting.layout.index
-        column[index["omega"]], column[index["running"]] = omega, 1.0
+        column[index["omega"]], column[index["running"]], column[index["metered"]] = omega, 1.0, 0.0
         column[index["drift_middle"]], column[index["drift_rate"]] = 0.5 * DURATION, 1.0 / DURATION
         table.append(column)
     values = Values(setting.layout, np.array(table).T)
@@ -74,7 +74,10 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
         return None
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
     nb, qa = len(base), len(a.variant.unknowns)
-    ea = a.estimate if np.any(a.estimate) else np.ones(qa)
+    typical = {a.variant.effect.qualified(x.name): x.typical for x in a.variant.effect.amplitudes}
+    ea = a.estimate
+    if not np.any(ea):
+        ea = np.array([typical[u.name] for u in a.variant.unknowns])
     sigmas = []
     for i in range(grid.size):
         H = elim.H[windows.recording == i].sum(axis=0)

@@ -31,13 +31,14 @@ class Scored:
     """One effect at one set of shape constants, seen from a fit.
 
     drop: predicted fall of the sum of squares; estimate: (q,) predicted amplitudes, both within
-    the amplitudes' bounds; V: (q, q) efficient information; blocks: (B, q) efficient scores by
-    block; shift: (u,) predicted move of the fit's unknowns; rows: what identifies the columns among
-    all (`Screen.columns`).
+    the amplitudes' bounds; unbounded: the drop without those; V: (q, q) efficient information;
+    blocks: (B, q) efficient scores by block; shift: (u,) predicted move of the fit's unknowns;
+    rows: what identifies the columns among all (`Screen.columns`).
     """
 
     variant: Variant
     drop: float
+    unbounded: float
     estimate: np.ndarray
     V: np.ndarray
     blocks: np.ndarray
@@ -68,7 +69,8 @@ class Screen:
         """Each effect at its best grid point, largest predicted drop first."""
         top: dict[str, Scored] = {}
         for s in self.scored:
-            if s.id not in top or s.drop > top[s.id].drop:
+            # where a bound leaves nothing at any point, the one that shows the effect best
+            if s.id not in top or (s.drop, s.unbounded) > (top[s.id].drop, top[s.id].unbounded):
                 top[s.id] = s
         return sorted(top.values(), key=lambda s: -s.drop)
 
@@ -144,28 +146,31 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
     scored = []
     for variant, rows in order:
         Ve, s = V[rows, rows], total[rows]
-        estimate, drop = _predicted(variant, Ve, s)
+        estimate, drop, unbounded = _predicted(variant, Ve, s)
         scored.append(
             Scored(
-                variant, drop, estimate, Ve, by_block[:, rows],
+                variant, drop, unbounded, estimate, Ve, by_block[:, rows],
                 -gain[: len(base), rows] @ estimate, rows,
             )
         )  # fmt: skip
     return Screen(tuple(scored), V, V_by_block, missing)
 
 
-def _predicted(variant: Variant, V: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, float]:
-    """Amplitudes (q,) within their bounds, and the drop of the sum of squares that they promise."""
+def _predicted(variant: Variant, V: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, float, float]:
+    """Amplitudes (q,) within their bounds, the drop that they promise, and that without bounds."""
     inverse = pseudo_inverse(V)
-    estimate = -inverse @ s
+    estimate, unbounded = -inverse @ s, float(s @ inverse @ s)
     bounds = {variant.effect.qualified(a.name): a for a in variant.effect.amplitudes}
     low, high = np.array(
         [(bounds[u.name].lower, bounds[u.name].upper) for u in variant.unknowns]
     ).T  # fmt: skip
     if np.all((estimate >= low) & (estimate <= high)):
-        return estimate, float(s @ inverse @ s)
-    step = bounded_step(s, V, low, high, 0.0)
-    return step.du, max(step.promise, 0.0)
+        return estimate, unbounded, unbounded
+    live = np.diag(inverse) > 0.0  # an amplitude that the data do not know stays at null
+    step = bounded_step(s[live], V[np.ix_(live, live)], low[live], high[live], 0.0)
+    estimate[:] = 0.0
+    estimate[live] = step.du
+    return estimate, float(np.clip(step.promise, 0.0, unbounded)), unbounded
 
 
 def pseudo_inverse(V: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Writing recordings as CSV."""
 
-from pathlib import Path
+import os
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +9,7 @@ from tp_jax._files import replaced
 
 
 def write_csv(
-    path: str | Path, t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None
+    path: str | os.PathLike[str], t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None
 ) -> None:
     """Writes a recording: header `t,phi1,phi2` (without phi2: `t,phi1`), 17 significant digits.
 
