@@ -47,16 +47,18 @@ def _here(lanes: int, eps: float, tol: float, duration: float) -> dict:
     from .timing import interleaved, ratio, spread
 
     ts = times(duration)
-    ours.sweep(sweep(2), eps, ts, tol)
+    ours.motions(sweep(2), eps, ts, tol)
     before = _peak()
     table = sweep(lanes)
-    of_angles = ours.sweep(table, eps, ts, tol).nbytes
+    done = ours.motions(table, eps, ts, tol)
     peak = _peak()
+    of_angles = done.phi1.nbytes + done.phi2.nbytes
+    del done
     few = sweep(FEW)
     alike = max(1, round(lanes / FEW))  # readings of both last equally long
     calls = {
-        "few": lambda: [ours.sweep(few, eps, ts, tol) for _ in range(alike)],
-        "all": lambda: ours.sweep(table, eps, ts, tol),
+        "few": lambda: [ours.motions(few, eps, ts, tol) for _ in range(alike)],
+        "all": lambda: ours.motions(table, eps, ts, tol),
     }
     readings = interleaved(calls, ROUNDS)
     per_lane = {

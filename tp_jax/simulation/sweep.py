@@ -20,6 +20,11 @@ WIDTH = 64
 """Lanes side by side on a CPU: as many as fill its vector units and fit its fastest memory."""
 
 
+PIECE = 1 << 25
+"""Bytes of motions that one call returns on a CPU, at most: what is larger is fresh memory every
+time, which the system clears first, and costs half as much as the simulation itself."""
+
+
 class Sweep(NamedTuple):
     """What `sweep` returns.
 
@@ -49,7 +54,8 @@ def sweep(
     """Motions of many pendulums that differ in their numbers, on all cores or on the GPU.
 
     A run that sticks, crawls or fails holds up no other. What is compiled depends on the model's
-    structure, the number of samples and the number of runs, rounded up to a power of two.
+    structure, the number of samples and, up to a few hundred, the number of runs, rounded up to a
+    power of two.
 
     Args:
         models: one pendulum whose numbers are (N,) or shared by all, as `jax.vmap` over a
@@ -102,24 +108,26 @@ def sweep(
     control = Control(angle=jnp.asarray(tolerance))
     # Rounded up, so that the next size is not another program; the rest has nothing to do.
     room = 1 << (-(-many // shares) - 1).bit_length()
+    y = np.empty((many, ts.size, 4 if velocities else 2))
+    steps, complete = np.empty(many, int), np.empty(many, bool)
+    if on_cpu:
+        most = PIECE // y[0].nbytes
+        room = min(room, max(WIDTH, 1 << max(most, 1).bit_length() - 1))
 
-    def one(part: np.ndarray) -> Ran:
-        index = np.concatenate([part, np.repeat(part[:1], room - len(part))])
-        done = _run(
-            parts.template, p[:, index], states[:, index], ts, control, jnp.asarray(max_steps),
-            jnp.asarray(len(part)), width, velocities,
-        )  # fmt: skip
-        return jax.tree.map(lambda x: np.asarray(x)[: len(part)], done)
+    def several(turn: np.ndarray) -> None:
+        for first in range(0, len(turn), room):
+            part = turn[first : first + room]
+            index = np.concatenate([part, np.repeat(part[:1], room - len(part))])
+            done = _run(
+                parts.template, p[:, index], states[:, index], ts, control,
+                jnp.asarray(max_steps), jnp.asarray(len(part)), width, velocities,
+            )  # fmt: skip
+            for whole, its in ((y, done.y), (steps, done.steps), (complete, done.complete)):
+                whole[part] = np.asarray(its)[: len(part)]
 
     # Every other run to the same thread: neighbours tend to take equally long.
-    turns = [np.arange(many)[i::shares] for i in range(shares)]
     with ThreadPoolExecutor(shares) as pool:
-        found = list(pool.map(one, turns))
-    back = np.argsort(np.concatenate(turns))
-    y, steps, complete = (
-        np.concatenate([getattr(f, name) for f in found])[back]
-        for name in ("y", "steps", "complete")
-    )
+        list(pool.map(several, [np.arange(many)[i::shares] for i in range(shares)]))
     omegas = (y[..., 2], y[..., 3]) if velocities else (None, None)
     return Sweep(np.asarray(ts), y[..., 0], y[..., 1], *omegas, steps, complete)
 

@@ -1,8 +1,9 @@
 """The package's own engine: the only file that knows how it is called.
 
-Four functions, held to the same arguments and results as every peer's (`peer.Peer`), and `steps`
-for the robustness. Replace their insides, and nothing else, when the engine's calls change.
-What may be compiled is compiled in the first call for such shapes, which is never timed.
+Four functions, held to the same arguments and results as every peer's (`peer.Peer`), `motions` for
+the scaling and `steps` for the robustness. Replace their insides, and nothing else, when the calls
+of the engine change. What may be compiled is compiled in the first call for such shapes, which is
+never timed.
 """
 
 import jax
@@ -42,8 +43,13 @@ def _run(parameters, eps, ts, tol):
 
 def sweep(table, eps, ts, tol):
     """Angles (lanes, n, 2) of the rows of `table` (lanes, 11), on all cores or on the GPU."""
-    done = tp.sweep(_models(np.asarray(table), eps), ts, tolerance=tol, velocities=False)
+    done = motions(table, eps, ts, tol)
     return np.stack([done.phi1, done.phi2], axis=-1)
+
+
+def motions(table, eps, ts, tol):
+    """The same as a user gets it, `tp_jax.Sweep`."""
+    return tp.sweep(_models(np.asarray(table), eps), ts, tolerance=tol, velocities=False)
 
 
 def sensitivities(parameters, eps, ts, tol):
@@ -55,7 +61,7 @@ def sensitivities(parameters, eps, ts, tol):
 
 def steps(table, eps, ts, tol):
     """For the rows of `table`: whether each run was completed (lanes,), and its steps (lanes,)."""
-    done = tp.sweep(_models(np.asarray(table), eps), ts, tolerance=tol, velocities=False)
+    done = motions(table, eps, ts, tol)
     finite = np.isfinite(done.phi1).all(axis=1) & np.isfinite(done.phi2).all(axis=1)
     return done.complete & finite, done.steps
 
