@@ -12,11 +12,12 @@ from typing import Any
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
-from scripts._coverage.pool import read
+from scripts._coverage.pool import mend, read
 from scripts._coverage.rig import PROFILED
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
 from tp_jax.cli.faults import explain
 from tp_jax.cli.output import made_folder, plain, write_json
+from tp_jax.errors import InputError
 
 SCHEMA = "tp-jax/multistart/1"
 RIGS, NUMBERS = "rigs.jsonl", "multistart.json"
@@ -66,8 +67,8 @@ def _study(args: Any) -> int:
     settings = {"seed": args.seed, "starts": args.starts, "quick": args.quick}
     known = read(folder / RIGS)
     if any(entry["settings"] != settings for entry in known.values()):
-        print(f"multistart: {folder} holds a study with other settings.", file=sys.stderr)
-        return 2
+        raise InputError(f"{folder} holds a study with other settings; give another --out.")
+    mend(folder / RIGS)
     with shown(quiet=False) as progress, (folder / RIGS).open("a", encoding="utf-8") as file:
         for i in range(args.rigs):
             if i in known:
@@ -93,7 +94,7 @@ def _rig(number: int, args: Any) -> dict[str, Any]:
 
     import tp_jax as tp
     from tp_jax.blind.draw import draw_rig
-    from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+    from tp_jax.estimation.baseline import prepare_campaign
     from tp_jax.identifiability.profile_likelihood import profiles
     from tp_jax.rig import make_campaign
 
@@ -109,11 +110,10 @@ def _rig(number: int, args: Any) -> dict[str, Any]:
         for name in ("B2", "k", "A", "c1", "M1", "Tv", "Ts1", "Tst", "T0")
     }
     begin = time.perf_counter()
-    result = tp.identify(campaign, starts=args.starts + 1, bound=bound, seed=seed).to_dict()
-    seconds = time.perf_counter() - begin
+    found = tp.identify(campaign, starts=args.starts + 1, bound=bound, seed=seed)
+    seconds, result = time.perf_counter() - begin, found.to_dict()
     setting = prepare_campaign(campaign, bound=bound, effects=())
-    fit = grow(setting, initial_values(setting), setting.unknowns())
-    by_profile = {p.name: p.ci95 for p in profiles(fit, setting, PROFILED)}
+    by_profile = {p.name: p.ci95 for p in profiles(found.fit, setting, PROFILED)}
     # the first start is the data's own
     objectives = [s["objective"] for s in result["starts"]]
     best = min(x for x in objectives if x is not None)

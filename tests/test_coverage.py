@@ -32,12 +32,12 @@ def test_shares():
 
 
 def test_a_line_that_was_cut_off_does_not_count(tmp_path):
-    from scripts._coverage.pool import _mend, read
+    from scripts._coverage.pool import mend, read
 
     path = tmp_path / "rigs.jsonl"
     path.write_text('{"rig": 0}\n{"rig": 1, "para')
     assert list(read(path)) == [0]
-    _mend(path)
+    mend(path)
     with path.open("a") as file:
         file.write('{"rig": 2}\n')
     assert list(read(path)) == [0, 2]

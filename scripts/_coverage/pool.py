@@ -44,7 +44,7 @@ def over_all_cores(
     queue, done = list(numbers)[::-1], 0
     if not queue:
         return failed
-    _mend(path)
+    mend(path)
     context = multiprocessing.get_context("spawn")
     processors = context.Queue()
     for i in range(workers):
@@ -74,7 +74,7 @@ def over_all_cores(
     return failed
 
 
-def _mend(path: Path) -> None:
+def mend(path: Path) -> None:
     """A line that was cut off gets an end, so that the next one does not join it."""
     if path.is_file() and path.stat().st_size:
         with path.open("rb+") as file:

@@ -199,7 +199,9 @@ class Problem:
         """
         n = [self.prepared[r].t.size for r in recordings]
         out = [np.full((size, 2), np.nan) for size in n]
-        going, own, states = list(range(len(n))), None, np.array(states, dtype=float)
+        ids = self.programs.cover(self.programs.active(values.table), NONE)
+        own = np.zeros((len(n), self.layout.n_states(ids) - 4))
+        going, states = list(range(len(n))), np.array(states, dtype=float)
         for first in range(0, max(n) - 1, self.capacity - 1):
             going = [i for i in going if first < n[i] - 1]
             if not going:
@@ -210,9 +212,8 @@ class Problem:
                 np.array(count), self.windows.horizon,
             )  # fmt: skip
             part = dataclasses.replace(self, windows=windows)
-            lin = part.linearise(values, states[going], (), own=None if own is None else own[going])
+            lin = part.linearise(values, states[going], (), own=own[going])
             assert lin.own is not None
-            own = np.zeros((len(n), lin.own.shape[1])) if own is None else own
             for k, (i, c) in enumerate(zip(going, count, strict=True)):
                 p = self.prepared[recordings[i]]
                 span = slice(first, first + c)

@@ -165,15 +165,13 @@ def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> li
     A refit knows nothing of the calibration's error. Where that is known, an effect of a sensor
     must therefore stand out in the screen, which does, or it would be credited with that error.
     """
-    every = seen.best()
-    ranked = [s for s in every if s.drop > 0.0] or every[:1]
-    if not any(r.calibration_error for r in setting.recordings):
-        return ranked
-    sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < LEVEL}
-    worth = [
-        s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")
-    ]
-    return worth or ranked[:1]
+    ranked = seen.best()
+    if any(r.calibration_error for r in setting.recordings):
+        sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < LEVEL}
+        ranked = [
+            s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")
+        ]
+    return [s for s in ranked if s.drop > 0.0] or ranked[:1]
 
 
 def _most_promising(

@@ -22,7 +22,7 @@ WIDTH = 64
 
 PIECE = 1 << 25
 """Bytes of motions that one call returns on a CPU, at most: what is larger is fresh memory every
-time, which the system clears first, and costs half as much as the simulation itself."""
+time, which the system clears first."""
 
 
 class Sweep(NamedTuple):
