@@ -22,6 +22,7 @@ import jax
 import jaxlib
 from jax import export
 
+from tp_jax._compiler import compiler_options
 from tp_jax._config import programs_folder
 from tp_jax._files import replaced
 
@@ -75,7 +76,8 @@ class Stored:
         return out
 
     def _program(self, static: tuple, arrays: tuple, shapes: str) -> Callable[..., Any]:
-        plain = functools.partial(self.jitted, *static)
+        wide = compiler_options()
+        plain = jax.jit(functools.partial(self.function, *static), compiler_options=wide)
         folder, described = programs_folder(), self.describe(*static)
         if folder is None or described is None:
             return plain
@@ -100,7 +102,7 @@ class Stored:
             with contextlib.suppress(OSError):
                 file.unlink(missing_ok=True)
             return plain
-        return jax.jit(exported.call)
+        return jax.jit(exported.call, compiler_options=wide)
 
 
 @functools.cache

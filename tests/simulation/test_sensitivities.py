@@ -203,6 +203,25 @@ def test_the_run_is_that_of_simulate(case):
         np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-11)
 
 
+@pytest.mark.slow
+def test_many_at_once_are_what_each_is_alone():
+    k, starts = np.array([0.4, 0.45, 0.5]), np.array(SLIDING) * np.array([[1.0], [0.5], [-1.0]])
+    many = presets.double_pendulum(**BENCH | {"k": k})
+    found = sensitivities(many, TS, starts, tolerance=1e-8)
+    assert found.phi1.shape == found.phi2.shape == (3, TS.size, len(STATE) + len(BASE))
+    assert found.motion.phi1.shape == (3, TS.size)
+    assert found.growth.shape == (3,)
+    for i in range(3):
+        alone = derive(BENCH | {"k": k[i]}, starts[i])
+        for a, b in ((found.phi1[i], alone.phi1), (found.phi2[i], alone.phi2)):
+            np.testing.assert_allclose(a, b, rtol=1e-7, atol=1e-9 * np.abs(b).max())
+        np.testing.assert_allclose(found.motion.omega2[i], alone.motion.omega2, atol=1e-9)
+        np.testing.assert_array_equal(found.reliable[i], alone.reliable)
+        assert found.growth[i] == pytest.approx(alone.growth, rel=1e-6)
+    with pytest.raises(ValueError, match="equally many"):
+        sensitivities(many, TS, starts[:2])
+
+
 def test_states_of_effects_and_a_column_alone():
     p = BENCH | dict(a=0.7, z0=0.03)
     y0 = np.array([0.3, 0.0, -2.0, 0.0, 0.01])

@@ -12,6 +12,7 @@ from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.sharpen import sharpened
 from tp_jax.identifiability.design import UNKNOWNS, Design, designs_of
 from tp_jax.identifiability.information import information
 from tp_jax.identifiability.null_directions import Direction
@@ -90,7 +91,9 @@ def sensitivity(
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
     _check(fix or {}, spread, samples, trajectories, points)
     setting = prepare_campaign(campaign, model=model, fix=dict(fix or {}), effects=())
-    fit = grow(setting, initial_values(setting), setting.unknowns(), progress=report)
+    fit = sharpened(
+        setting, grow(setting, initial_values(setting), setting.unknowns(), progress=report)
+    )
     if not np.isfinite(fit.cost):
         raise InputError(f"{campaign.name} could not be fitted: {fit.message}")
     found = _profiles(fit, setting, profile, report)
@@ -134,7 +137,8 @@ def sensitivity(
         "warnings": _warnings(fit, structural, through_time),
         "provenance": {
             "version": __version__, "seed": seed, "data_sha256": campaign.data_sha256,
-            "eps": setting.eps, "horizon_s": fit.problem.windows.horizon, "spread": spread,
+            "eps": fit.values.get("eps2"), "horizon_s": fit.problem.windows.horizon,
+            "spread": spread,
             "wall_s": round(time.perf_counter() - begin, 2),
         },
     }  # fmt: skip

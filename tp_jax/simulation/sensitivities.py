@@ -1,5 +1,6 @@
 """How a motion depends on the numbers of its pendulum, and whether to trust the answer."""
 
+import functools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -7,7 +8,9 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from tp_jax._compiler import compiler_options
 from tp_jax.model.pendulum import AbstractTorsionPendulum
+from tp_jax.simulation.batch import gathered, in_pieces, is_many, lanes
 from tp_jax.simulation.control import Control
 from tp_jax.simulation.parts import take_apart
 from tp_jax.simulation.runs import Ran, integrate
@@ -28,8 +31,13 @@ CHAOTIC = 1e3
 """Growth of a disturbance of the start from which on no derivative of the run means much."""
 
 
+WIDTH = 32
+"""Lanes side by side on a CPU, with their tangents."""
+
+
 class Sensitivities(NamedTuple):
-    """What `sensitivities` returns.
+    """What `sensitivities` returns; of many pendulums every field but names and the times has an
+    axis (N,) more, the first.
 
     motion: the run; names: (D,) what it is differentiated by, the initial state first; phi1,
     phi2: (n, D) derivatives of the angles [rad per unit]; error: (D,) estimated error relative to
@@ -45,14 +53,14 @@ class Sensitivities(NamedTuple):
     phi1: Float[Array, "n D"]
     phi2: Float[Array, "n D"]
     error: Float[Array, " D"]
-    growth: float
+    growth: float | Float[Array, " N"]
     reliable: Bool[Array, " D"]
 
 
 def sensitivities(
     model: AbstractTorsionPendulum,
     ts: Float[Array, " n"],
-    y0: Float[Array, " m"] | None = None,
+    y0: Float[Array, "..."] | None = None,
     *,
     by: Sequence[str] | None = None,
     tolerance: float = 1e-6,
@@ -61,9 +69,10 @@ def sensitivities(
     """Derivatives of both angles by the initial state and by numbers of the model.
 
     Args:
-        model: one pendulum.
+        model: one pendulum, or many that differ in their numbers, (N,) or shared by all (see
+            `sweep`); many at once take a fraction of the time of as many calls.
         ts: times [s], increasing.
-        y0: initial state; rest if None.
+        y0: initial state (m,), or of many pendulums (N, m); rest if None.
         by: numbers, by their place in the pendulum ("spring.k", "B2", "terms.0.values.a");
             the paper's unknowns if None.
         tolerance: error of an angle in one step [rad].
@@ -81,7 +90,7 @@ def sensitivities(
         >>> found.names[-1], found.phi2.shape, bool(found.reliable.all())
         ('B2', (51, 5), True)
     """
-    ts, y0 = checked(model, ts, y0)
+    ts, _ = checked(model, ts, None)
     parts = take_apart(model)
     if by is None:
         by = [name for name in BASE if name in parts.names]
@@ -92,28 +101,60 @@ def sensitivities(
                 f"it has {', '.join(parts.names)}."
             )
     places = np.array([parts.names.index(name) for name in by], int)
-    control = Control(angle=np.asarray(tolerance, float))
-    p = np.array([float(v) for v in parts.values])
-    ran = _run(parts.template, p, y0, ts, control, places, np.asarray(max_steps))
-    y, s, error = np.asarray(ran.y[0]), np.asarray(ran.s[0]), np.asarray(ran.error[0])
+    p, states = gathered(parts, y0)
+    own = parts.n_states
+    control, most = Control(angle=np.asarray(tolerance, float)), np.asarray(max_steps)
+    alone = not is_many(parts, y0)
+    compiled = _compiled(alone)
+
+    def run(index: np.ndarray, active: int, width: int) -> Ran:
+        return compiled(
+            parts.template, p[:, index], states[:, index], ts, control, places, most,
+            np.asarray(active), width,
+        )  # fmt: skip
+
+    if alone:
+        done = run(np.zeros(1, int), 1, 1)
+        y, s, error = (np.asarray(x) for x in (done.y, done.s, done.error))
+    else:
+        many, d = states.shape[1], own + len(by)
+        y, s = np.empty((many, ts.size, 4)), np.empty((many, ts.size, 2, d))
+        error = np.empty((many, d))
+        width = lanes(WIDTH, many)
+
+        def piece(index: np.ndarray, active: int) -> None:
+            done = run(index, active, width)
+            for whole, its in ((y, done.y), (s, done.s), (error, done.error)):
+                whole[index[:active]] = np.asarray(its)[:active]
+
+        in_pieces(piece, many, width=width, bytes_each=y[0].nbytes + s[0].nbytes)
     span = float(ts[-1] - ts[0])
-    own = len(y0)
-    growth = np.abs(s[:, :2, :own]).max(axis=(0, 1)) / np.array(
-        [1.0, 1.0, span, span] + [1.0] * (own - 4)
-    )
-    grown = float(growth.max())
-    reliable = (error < DOUBTFUL) & np.isfinite(error) & (grown < CHAOTIC)
+    unit = np.array([1.0, 1.0, span, span] + [1.0] * (own - 4))
+    growth = (np.abs(s[..., :own]).max(axis=(1, 2)) / unit).max(axis=1)
+    reliable = (error < DOUBTFUL) & np.isfinite(error) & (growth < CHAOTIC)[:, None]
     names = (*STATE, *(f"state {i}" for i in range(4, own)), *by)
-    motion = Trajectory(np.asarray(ts), *y.T)
-    return Sensitivities(motion, names, s[:, 0], s[:, 1], error, grown, reliable)
+    if alone:
+        motion = Trajectory(np.asarray(ts), *y[0].T)
+        return Sensitivities(
+            motion, names, s[0, :, 0], s[0, :, 1], error[0], float(growth[0]), reliable[0]
+        )
+    motion = Trajectory(np.asarray(ts), *np.moveaxis(y, 2, 0))
+    return Sensitivities(motion, names, s[:, :, 0], s[:, :, 1], error, growth, reliable)
 
 
-@eqx.filter_jit
-def _run(template, p, y0, ts, control, places, max_steps) -> Ran:
+@functools.cache
+def _compiled(alone: bool):
+    """`_run`; for many on a processor's full width."""
+    return (
+        eqx.filter_jit(_run) if alone else eqx.filter_jit(_run, compiler_options=compiler_options())
+    )
+
+
+def _run(template, p, y0, ts, control, places, max_steps, active, width) -> Ran:
     parts = take_apart(template)
-    q = tuple(p[:, None])
+    q = tuple(p)
     return integrate(
-        parts.field, q, y0[:, None], ts, (q[parts.eps[0]], q[parts.eps[1]]), control,
-        directions=places, tangent_velocities=False, width=1,
-        per_step=samples_per_step(ts.size), max_steps=max_steps,
+        parts.field, q, y0, ts, (q[parts.eps[0]], q[parts.eps[1]]), control,
+        directions=places, tangent_velocities=False, width=width,
+        per_step=samples_per_step(ts.size), max_steps=max_steps, active=active,
     )  # fmt: skip

@@ -1,16 +1,16 @@
 """Many pendulums at once."""
 
-import os
-from concurrent.futures import ThreadPoolExecutor
+import functools
 from typing import NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from tp_jax._compiler import compiler_options
 from tp_jax.model.pendulum import AbstractTorsionPendulum
+from tp_jax.simulation.batch import gathered, in_pieces, lanes
 from tp_jax.simulation.control import Control
 from tp_jax.simulation.parts import take_apart
 from tp_jax.simulation.runs import Ran, integrate
@@ -18,11 +18,6 @@ from tp_jax.simulation.solve import checked, samples_per_step
 
 WIDTH = 64
 """Lanes side by side on a CPU: as many as fill its vector units and fit its fastest memory."""
-
-
-PIECE = 1 << 25
-"""Bytes of motions that one call returns on a CPU, at most: what is larger is fresh memory every
-time, which the system clears first."""
 
 
 class Sweep(NamedTuple):
@@ -82,57 +77,32 @@ def sweep(
     """
     parts = take_apart(models)
     ts, _ = checked(models, ts, None)
-    states = np.zeros(parts.n_states) if y0 is None else np.asarray(y0, float)
-    for name, v in zip(parts.names, parts.values, strict=True):
-        if np.ndim(v) > 1:
-            raise ValueError(
-                f"Numbers of `models` must have shape () or (N,), but {name} has shape {v.shape}."
-            )
-    sizes = {np.shape(v)[0] for v in parts.values if np.ndim(v)}
-    sizes |= {len(states)} if states.ndim == 2 else set()
-    if len(sizes) > 1:
-        raise ValueError(f"All members must be equally many, but there are {sorted(sizes)}.")
-    if sizes == {0}:
-        raise ValueError("Argument `models` must hold at least one pendulum.")
-    if states.shape[-1:] != (parts.n_states,) or states.ndim > 2:
-        raise ValueError(
-            f"Argument `y0` must have shape ({parts.n_states},) or (N, {parts.n_states}), "
-            f"but has {states.shape}."
-        )
-    many = sizes.pop() if sizes else 1
-    p = np.stack([np.broadcast_to(np.asarray(v, float), (many,)) for v in parts.values])
-    states = np.broadcast_to(states, (many, parts.n_states)).T
-    on_cpu = jax.default_backend() == "cpu"
-    shares = min(threads or _cores(), -(-many // WIDTH)) if on_cpu else 1
-    width = WIDTH if on_cpu else many
+    p, states = gathered(parts, y0)
+    many = states.shape[1]
+    width, compiled = lanes(WIDTH, many), _compiled()
     control = Control(angle=jnp.asarray(tolerance))
-    # Rounded up, so that the next size is not another program; the rest has nothing to do.
-    room = 1 << (-(-many // shares) - 1).bit_length()
     y = np.empty((many, ts.size, 4 if velocities else 2))
     steps, complete = np.empty(many, int), np.empty(many, bool)
-    if on_cpu:
-        most = PIECE // y[0].nbytes
-        room = min(room, max(WIDTH, 1 << max(most, 1).bit_length() - 1))
 
-    def several(turn: np.ndarray) -> None:
-        for first in range(0, len(turn), room):
-            part = turn[first : first + room]
-            index = np.concatenate([part, np.repeat(part[:1], room - len(part))])
-            done = _run(
-                parts.template, p[:, index], states[:, index], ts, control,
-                jnp.asarray(max_steps), jnp.asarray(len(part)), width, velocities,
-            )  # fmt: skip
-            for whole, its in ((y, done.y), (steps, done.steps), (complete, done.complete)):
-                whole[part] = np.asarray(its)[: len(part)]
+    def run(index: np.ndarray, active: int) -> None:
+        done = compiled(
+            parts.template, p[:, index], states[:, index], ts, control, jnp.asarray(max_steps),
+            jnp.asarray(active), width, velocities,
+        )  # fmt: skip
+        for whole, its in ((y, done.y), (steps, done.steps), (complete, done.complete)):
+            whole[index[:active]] = np.asarray(its)[:active]
 
-    # Every other run to the same thread: neighbours tend to take equally long.
-    with ThreadPoolExecutor(shares) as pool:
-        list(pool.map(several, [np.arange(many)[i::shares] for i in range(shares)]))
+    in_pieces(run, many, width=width, bytes_each=y[0].nbytes, threads=threads)
     omegas = (y[..., 2], y[..., 3]) if velocities else (None, None)
     return Sweep(np.asarray(ts), y[..., 0], y[..., 1], *omegas, steps, complete)
 
 
-@eqx.filter_jit
+@functools.cache
+def _compiled():
+    """`_run`, compiled for the processor that there is, which is asked at the first call."""
+    return eqx.filter_jit(_run, compiler_options=compiler_options())
+
+
 def _run(template, p, y0, ts, control, max_steps, active, width, velocities) -> Ran:
     parts = take_apart(template)
     q = tuple(p)
@@ -141,10 +111,3 @@ def _run(template, p, y0, ts, control, max_steps, active, width, velocities) -> 
         per_step=samples_per_step(ts.size), velocities=velocities, max_steps=max_steps,
         active=active,
     )  # fmt: skip
-
-
-def _cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
