@@ -238,6 +238,7 @@ def test_when_a_skew_is_corrected():
     assert correction(None) == 1.0
     assert correction(fit_clock(d, d / (1.0 + 2e-4))) == pytest.approx(1.0 / (1.0 + 2e-4))
     assert correction(fit_clock(d, d / (1.0 + 4e-5))) == 1.0  # the host's clock is no better
+    assert correction(fit_clock(d, 2.9 * d)) == 1.0  # no oscillator is so slow
     noisy = d[:500] + 1e-3 * np.random.default_rng(0).random(500)
     assert correction(fit_clock(d[:500], noisy / (1.0 + 2e-4), poll=1e-3)) == 1.0
 

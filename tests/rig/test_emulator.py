@@ -10,10 +10,8 @@ from tests.acquisition.swing import Swing, emulated, port_of
 from tp_jax.acquisition import Settings, protocol, record
 from tp_jax.acquisition.parser import FrameParser
 from tp_jax.acquisition.protocol import Ack, Announced, Command, Identity
-from tp_jax.recordings import read_columns
 from tp_jax.rig.emulator import Bridges, Firmware
-from tp_jax.rig.serve import BUFFER, Emulator, Line, Terminal
-from tp_jax.rig.simulator import VirtualRig
+from tp_jax.rig.serve import BUFFER, Line, Terminal
 
 
 def asked(firmware, *commands, now=0):
@@ -126,25 +124,3 @@ def test_unplugging_on_request(tmp_path):
         rig.plug()
         time.sleep(0.1)
         record(port_of(rig), tmp_path / "run.csv", Settings(0.3, omega=3.0))
-
-
-@pytest.mark.parametrize("speed", [None, 8.0])
-def test_the_virtual_rig_through_the_port(speed, tmp_path):
-    """What is recorded is what the simulator's sensors saw, but for the noise."""
-    effects = {"contact_stribeck": 0.4}
-    firmware = Firmware(VirtualRig(effects=effects, seed=2), run_duration=4.0)
-    settings = Settings(4.0, omega=13.09, real_time=speed is not None)
-    with Emulator(firmware, speed=speed) as rig:
-        begin = time.perf_counter()
-        done = record(port_of(rig), tmp_path / "run.csv", settings)
-        took = time.perf_counter() - begin
-    values = read_columns(done.path).values
-    t = np.arange(4001) / 1000
-    np.testing.assert_array_equal(values["t"], t)
-    true = VirtualRig(effects=effects, seed=2).run(t, omega=13.09)
-    for i, name in enumerate(("phi1", "phi2")):
-        off = values[name] - true[:, i]
-        assert off.std() == pytest.approx(1e-3, rel=0.05)
-        assert abs(off.mean()) < 1e-4
-    assert (done.metadata["clock"] is None) is (speed is None)
-    assert took < 10.0

@@ -6,6 +6,7 @@ as it is; when it has ended, and the host's clock says beyond doubt that the rig
 drive hangs on the same clock, so its frequency is corrected with it.
 """
 
+import logging
 import signal
 import threading
 import time
@@ -32,10 +33,16 @@ from tp_jax.acquisition.text_source import TextSource
 from tp_jax.acquisition.writer import CsvWriter, already_there, scale_time
 from tp_jax.errors import InputError
 
+_LOG = logging.getLogger(__name__)
+
 SIGNIFICANT_SKEW = 5e-5
 """A host's own clock is a crystal as well: below this either of the two may be to blame."""
 
 SIGNIFICANT_ERRORS = 3.0
+
+LARGEST_SKEW = 0.2
+"""The worst oscillator, of a resistor and a capacitor, is wrong by a tenth. More is no skew: what
+is behind the port does not keep the time that it writes."""
 
 LARGEST_RELEASE = 0.5 * np.pi
 """rad; from further on the bridges cannot tell which turn a run began in."""
@@ -99,9 +106,15 @@ def correction(fit: ClockFit | None) -> float:
     """Factor on the times of a recording, for the skew of the rig's clock; 1: none.
 
     A skew is corrected where it is larger than the host's own clock may be wrong by, and than
-    three of its standard errors.
+    three of its standard errors, and no larger than that of the worst oscillator.
     """
     if fit is None or abs(fit.skew) <= max(SIGNIFICANT_SKEW, SIGNIFICANT_ERRORS * fit.skew_error):
+        return 1.0
+    if abs(fit.skew) > LARGEST_SKEW:
+        _LOG.warning(
+            "The rig's clock ran at %.3g times the host's; its times are left as they are.",
+            1.0 + fit.skew,
+        )
         return 1.0
     return 1.0 / (1.0 + fit.skew)
 

@@ -92,7 +92,8 @@ def run_record(args: argparse.Namespace) -> None:
         calibration=None if args.calibration is None else read_calibration(args.calibration),
         patience=args.patience,
         reconnect=args.reconnect,
-        real_time=not (virtual and args.speed is None),
+        # a simulator that is to be faster may fall behind, which is no skew of a clock
+        real_time=not virtual or (args.speed is not None and args.speed <= 1.0),
         command=_command(),
     )
     # all that can be wrong is told before the rig moves
