@@ -12,6 +12,7 @@ from tests.rigs import synthetic_campaign
 from tp_jax.cli.output import json_text
 from tp_jax.estimation import multistart
 from tp_jax.estimation.methods import METHODS
+from tp_jax.model.parameters import SHARPEST_EPS
 
 FIX = {"T0": 4.0}  # three seconds do not tell it
 
@@ -67,6 +68,11 @@ def test_far_starts_find_it_too(found):
     assert "of 5 starts reached the best" in found.summary()
 
 
+def test_what_is_found_has_sharp_friction(found):
+    assert found.result["provenance"]["eps"] == SHARPEST_EPS
+    assert found.fit.values.get("eps1") == found.fit.values.get("eps2") == SHARPEST_EPS
+
+
 def test_same_seed_same_result(campaign, found):
     again = tp.identify(campaign, starts=5, fix=FIX)
     for result in (again.result, found.result):
@@ -119,6 +125,7 @@ def test_nelder_mead_goes_down(campaign):
     assert result["objective_kind"] == "free-run"
     assert 0.0 < result["objective"] < 1e-2
     assert result["starts"][0]["evaluations"] > 10
+    assert result["provenance"]["eps"] == SHARPEST_EPS
     assert not result["starts"][0]["converged"]
     assert "not_converged" in [w["code"] for w in result["warnings"]]
 

@@ -19,7 +19,7 @@ from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_ca
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.directions import variants
 from tp_jax.gap.held_out import evaluate, shrink
-from tp_jax.gap.refit import refit
+from tp_jax.gap.refit import refit, sharper
 from tp_jax.recordings import Campaign, load_campaign
 
 SHORTEST = 0.5  # s: windows of a diagnosis that does not say how long they were
@@ -117,7 +117,7 @@ def true_model(setting: Setting, entry: Mapping[str, Any], horizon: float):
         values = values.replace(variant.settings | _amplitudes(setting, given, id, hidden))
         found.append(variant)
     begun = grow(setting, values, setting.unknowns(), horizons=(horizon,), max_iterations=3)
-    done = refit(setting, begun, found, max_iterations=ITERATIONS, relative=1e-5)
+    done = sharper(setting, refit(setting, begun, found, max_iterations=ITERATIONS))
     return evaluate(setting, done.fit.values, horizon, [v.effect for v in found])
 
 

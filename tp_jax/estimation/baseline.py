@@ -21,7 +21,7 @@ from tp_jax.estimation.program import Programs
 from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import Prepared, cut, prepare
-from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS
+from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS, SHARPEST_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
 from tp_jax.recordings import Campaign, Recording, noise_floor, stretches
 
@@ -97,8 +97,13 @@ class Setting:
 
     @property
     def eps(self) -> float:
-        """Final smoothing of the friction [s]."""
+        """Smoothing of the friction [s] up to which a search raises it."""
         return PAPER_EPS if self.model == "paper" else DEFAULT_EPS
+
+    @property
+    def sharpest(self) -> float:
+        """Smoothing of the friction [s] of what is found; see `sharpen`."""
+        return PAPER_EPS if self.model == "paper" else SHARPEST_EPS
 
     def problem(self, horizon: float, which: Sequence[int] | None = None) -> Problem:
         """Some recordings (the fitted ones if None) in windows of one length."""

@@ -14,8 +14,10 @@ from tp_jax.estimation.least_squares import parameter
 from tp_jax.estimation.nelder_mead_batch import CONVERGED, EXHAUSTED, minimise_batch
 from tp_jax.estimation.simplex import Simplex, initial_simplex
 from tp_jax.model.parameters import NUISANCES
+from tp_jax.simulation.sweep import WIDTH
 
 ITERATIONS = 50  # as in Listing 1 of the paper
+AHEAD = 4  # points of an iteration that is evaluated ahead
 
 Progress = Callable[[str, float | None], None]
 
@@ -62,9 +64,11 @@ def free_run_search(
         done = float(np.asarray(lanes.iterations).mean()) / max_iterations
         progress(f"Nelder-Mead on free runs, {len(starts)} starts", min(done, 1.0))
 
+    # of few runs a call takes as long as of many
+    ahead = AHEAD * len(starts) * len(setting.fitted) <= WIDTH
     ones = np.ones((len(starts), len(unknowns)))
     found = minimise_batch(
-        evaluate, np.asarray(initial_simplex(ones)), ahead=True, rule="fminsearch",
+        evaluate, np.asarray(initial_simplex(ones)), ahead=ahead, rule="fminsearch",
         max_iterations=max_iterations, callback=count,
     )  # fmt: skip
     best = x0 + (found.x - 1.0) * size

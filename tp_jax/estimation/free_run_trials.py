@@ -13,7 +13,7 @@ from tp_jax.estimation.multistart import Interrupted, Progress, Trial
 from tp_jax.estimation.outcome import Outcome
 from tp_jax.estimation.starts import Start
 
-BATCH = 16  # searches side by side, and between two writings of the file
+BATCH = 64  # searches side by side, and between two writings of the file
 
 
 def search_free_runs(
@@ -29,11 +29,12 @@ def search_free_runs(
     Arguments, result and exceptions are those of `multistart.search`.
     """
     setting, n = ladder.setting, len(starts)
+    eps = setting.sharpest  # a simplex has no derivatives that would mind
     done: dict[str, Any] = {} if checkpoint is None else dict(checkpoint.done)
     try:
         todo = [i for i in range(n) if f"end {i}" not in done]
         for batch in (todo[i : i + BATCH] for i in range(0, len(todo), BATCH)):
-            begin = [starts[i].values for i in batch]
+            begin = [starts[i].values.replace({"eps1": eps, "eps2": eps}) for i in batch]
             found = free_run_search(setting, begin, progress, max_iterations=max_iterations)
             stored = {
                 f"end {i}": _outcome(ladder, *each).to_dict()

@@ -136,7 +136,7 @@ def identify(
         "warnings": [*warnings(fit, setting), *start_warnings(trials, reached)],
         "provenance": {
             "version": __version__, "seed": seed, "data_sha256": campaign.data_sha256,
-            "eps": setting.eps, "horizon_s": fit.problem.windows.horizon, "loss": loss,
+            "eps": fit.values.get("eps2"), "horizon_s": fit.problem.windows.horizon, "loss": loss,
             "noise": noise, "sampling": sampling, "raw_starts": raw_starts,
             "wall_s": round(time.perf_counter() - begin, 2),
         },
@@ -185,7 +185,7 @@ def _checkpoint(
             for r in setting.recordings
         ],
         "model": setting.model, "fixed parameters": setting.fixed, "bounds": setting.bounds,
-        "version": __version__,
+        "version": __version__, "eps": setting.sharpest,
     }  # fmt: skip
     kept = Checkpoint(Path(path), data | settings)
     if resume:

@@ -2,7 +2,7 @@
 
 Short windows are convex enough to be found from afar; long ones say more. The first rung takes
 only some of the windows, spread over all recordings: that is enough to get near, at a tenth of
-the cost. The friction's smoothing is raised with the horizon.
+the cost. The friction's smoothing is raised with the horizon, and once more at the end.
 """
 
 import dataclasses
@@ -21,7 +21,7 @@ from tp_jax.estimation.window_states import in_turn, of_windows, settle
 from tp_jax.model.parameters import PAPER_EPS
 
 FEW = 64  # windows of the first rung
-ROUGH = 1e-4  # a rung that is left again need not be finished to more than this part
+ROUGH = 1e-4  # a horizon that is left again need not be finished to more than this part
 FINE = 1e-6
 
 #: Fits unknowns and window states: see `variable_projection.fit`.
@@ -41,17 +41,26 @@ class Rung:
 
 
 def rungs(setting: Setting, objective: Objective = "windows") -> tuple[Rung, ...]:
-    """From the shortest horizon of a campaign to the longest; for a free run that alone."""
+    """From the shortest horizon of a campaign to the longest, for a free run the longest alone;
+    the last one again with the sharpest friction."""
     if objective == "free-run":
         longest = max(setting.recordings[i].duration for i in setting.fitted)
-        return (Rung(longest, setting.eps, False, FINE),)
+        return _with_sharpest(setting, Rung(longest, setting.eps, False, FINE))
     short, middle, long = setting.horizons
     first = min(PAPER_EPS, setting.eps)
-    return (
+    return _with_sharpest(
+        setting,
         Rung(short, first, True, ROUGH),
         Rung(middle, float(np.sqrt(first * setting.eps)), False, ROUGH),
         Rung(long, setting.eps, False, FINE),
     )
+
+
+def _with_sharpest(setting: Setting, *below: Rung) -> tuple[Rung, ...]:
+    """Rungs and, where the friction can be sharper yet (see `sharpen`), the last one so."""
+    if setting.sharpest <= below[-1].eps:
+        return below
+    return (*below, dataclasses.replace(below[-1], eps=setting.sharpest))
 
 
 def problem_of(setting: Setting, rung: Rung) -> Problem:

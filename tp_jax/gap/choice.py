@@ -10,7 +10,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.crossvalidation import gain, left_out_cost
-from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable
+from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable, sharper
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
 
@@ -28,6 +28,8 @@ MOST_PART = 0.5  # of the removable gap: a cause that takes so much is not asked
 SURELY = 5.0  # standard deviations of chance, for a gap to be one
 LIKELIER, PER_AMPLITUDE = 16.0, 4.0  # twice a logarithm of likelihoods, of many candidates
 NOISE_ALONE = 0.1  # of the noise's variance: three standard errors of that and more
+SMOOTHING = 0.5  # of what is left: if sharper friction takes so much, it is looked at without
+LITTLE = 0.5  # of the noise's variance: less is looked at with sharp friction too
 LEAST_PART = 0.01  # of the removable gap that a cause must take with it
 
 
@@ -35,10 +37,12 @@ LEAST_PART = 0.01  # of the removable gap that a cause must take with it
 class Round:
     """One round of the choice: what was seen from `before`, what was refitted, what was taken.
 
-    gains: id to (drop of the left-out sum of squares, its standard error).
+    searched: where the refits began: `before`, or that with the search's smoothing (see `sharpen`),
+    which they have too. gains: id to (drop of the left-out sum of squares, its standard error).
     """
 
     before: Fit
+    searched: Fit
     screen: Screen
     structure: Structure
     refits: dict[str, Refit]
@@ -48,7 +52,7 @@ class Round:
 
 @dataclasses.dataclass(frozen=True)
 class Choice:
-    """The baseline, the rounds, and where they ended."""
+    """The baseline, the rounds, and where they ended; baseline and end with sharp friction."""
 
     baseline: Fit
     rounds: tuple[Round, ...]
@@ -61,7 +65,7 @@ class Choice:
 
     @property
     def structure(self) -> Structure:
-        """Of the last fit: what is left unexplained."""
+        """What is left unexplained, as the last round saw it."""
         return self.rounds[-1].structure
 
 
@@ -75,22 +79,29 @@ def choose(
     current = Refit(baseline, ())
     rounds: list[Round] = []
     noise_only = max(removable(baseline), 0.0)
+    progress("sharpening the friction", None)
+    sharp = sharp_baseline = sharper(setting, current)
     for n in range(len(REFITTED) + 1):
         progress("screening the catalogue", None)
         # Beside a cause, effects with states take programs of their own: they wait until something
         # is left that others see, as they would (what has a memory looks much like what has none).
-        seen = screen(current.fit, setting, skip=current.ids, states=not current.ids)
+        before, rest = current.fit, dict(skip=current.ids, states=not current.ids)
+        seen = screen(before, setting, **rest)
         structure = structure_test(seen, seed)
+        if structure.p < LEVEL and _may_be_smoothing(before, sharp.fit):
+            before = sharp.fit
+            seen = screen(before, setting, **rest)
+            structure = structure_test(seen, seed)
         # A cause takes something worth telling with it, and so must be more than what is left.
         promised = max((s.drop for s in seen.scored), default=0.0)
         settled = bool(current.ids) and promised <= LEAST_PART * noise_only
         last = settled or n == len(REFITTED)
         if current.ids and structure.p < LEVEL and not last:
-            seen = screen(current.fit, setting, skip=current.ids)
+            seen = screen(before, setting, skip=current.ids)
             structure = structure_test(seen, seed)
         log.info("round %d: structure p %.4g", n + 1, structure.p)
         if structure.p >= LEVEL or last:
-            rounds.append(Round(current.fit, seen, structure, {}, {}, None))
+            rounds.append(Round(before, current.fit, seen, structure, {}, {}, None))
             break
         block = blocks_of(current.fit, setting)
         reference = left_out_cost(current.fit)
@@ -124,16 +135,37 @@ def choose(
         refits[best] = polished
         gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
         taken = best if _earned(drop, error, noise_only, polished) else None
-        rounds.append(Round(current.fit, seen, structure, refits, gains, taken))
+        if taken is not None:
+            progress("sharpening the friction", None)
+            keener = sharper(setting, polished)
+            # Where smoothing may be what is left, the cause has to earn its place without it too.
+            if before is sharp.fit and not _earned(
+                *gain(left_out_cost(before), left_out_cost(keener.fit), block),
+                max(removable(before), 0.0), keener,
+            ):  # fmt: skip
+                taken = None
+        rounds.append(Round(before, current.fit, seen, structure, refits, gains, taken))
         log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
         if taken is None:
             break
-        current = refits[best]
-    if current.ids and current.fit.chi2_dof > LENGTHEN:
+        current, sharp = polished, keener
+    if sharp.ids and sharp.fit.chi2_dof > LENGTHEN:
         for _ in range(LONGER):
             progress("longer windows", None)
-            current = lengthened(setting, current)
-    return Choice(baseline, tuple(rounds), current)
+            sharp = lengthened(setting, sharp)
+    return Choice(sharp_baseline.fit, tuple(rounds), sharp)
+
+
+def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:
+    """Whether what a fit leaves may come of the friction's smoothing.
+
+    Sharper friction then takes much of it away, or there is little. Of a model that is wrong by
+    more, the smoother one is the better guide: its derivatives hold farther.
+    """
+    if sharp is before:  # there is nothing sharper
+        return False
+    left, after = removable(before), removable(sharp)
+    return after < SMOOTHING * left or left < LITTLE * before.dof
 
 
 def _earned(drop: float, error: float, gap: float, result: Refit) -> bool:
@@ -203,10 +235,10 @@ def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
     base = frozenset[str]()
     for r in choice.rounds:
         ids = base
-        cost = r.before.cost
+        cost = r.searched.cost
         if not scores:
             scores.append((ids, cost / misfit))
-        q0 = len(r.before.unknowns)
+        q0 = len(r.searched.unknowns)
         for s in r.screen.best():
             q = len(s.variant.unknowns)
             if s.id in r.refits:
@@ -233,7 +265,7 @@ def tied_by_gain(choice: Choice, setting: Setting) -> list[list[str]]:
     for r in choice.rounds:
         if r.taken is None:
             continue
-        block = blocks_of(r.before, setting)
+        block = blocks_of(r.searched, setting)
         best = left_out_cost(r.refits[r.taken].fit)
         for id, trial in r.refits.items():
             behind, error = gain(left_out_cost(trial.fit), best, block)

@@ -114,7 +114,12 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     word = verdict(first.structure.p, excess, len(final.ids), total)
     no_gap = word == "no_gap"
     probabilities = cause_probabilities(choice, baseline.dof)
-    shrinks = {id: shrink(setting, before, h, seed, least) for id, h in held.items()}
+    # refits are compared with where they began, which has the smoothing that they have
+    begun = evaluate(setting, first.searched.values, horizon)
+    shrinks = {
+        id: shrink(setting, before if h is after else begun, h, seed, least)
+        for id, h in held.items()
+    }
     if no_gap:
         final = Refit(baseline, ())
     ids = final.ids
@@ -145,7 +150,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         },
         "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice, setting, seed)],
         "causes": _causes(
-            setting, choice, final, before, held, probabilities, horizon, seed, least
+            setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least
         ),
         "candidates": _candidates(setting, choice, probabilities, shrinks),
         "confused_with": _tied(setting, choice, no_gap),
@@ -200,20 +205,22 @@ def _gap(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, flo
 
 
 def _causes(
-    setting, choice, final, before, held, probabilities, horizon, seed, least
+    setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least
 ) -> list[dict]:
     table = _amplitude_intervals(setting, final)
     out = []
     ids: list[str] = []
     for v in final.variants:
         ids.append(v.effect.id)
-        if len(ids) == 1:
-            value = shrink(setting, before, held[ids[0]], seed, least).value
+        if len(ids) == len(final.variants):
+            value = total.value
+        elif len(ids) == 1:
+            value = shrinks[ids[0]].value
         else:
             r = next(r for r in choice.rounds if r.taken == ids[-1])
             fit = r.refits[ids[-1]]
             measured = evaluate(setting, fit.fit.values, horizon, [x.effect for x in fit.variants])
-            value = shrink(setting, before, measured, seed, least).value
+            value = shrink(setting, begun, measured, seed, least).value
         out.append(
             {
                 "effect": v.effect.id,
@@ -374,7 +381,8 @@ def _notes(setting: Setting, choice: Choice, final: Refit, word: str, least: Flo
             f"The noise floor includes {sizes} that the calibration's error is expected to leave; "
             "an effect has to stand out from it."
         )
-    notes.append(f"The friction's smoothing is eps = {setting.eps:g} s.")
+    eps = sorted({f.values.get("eps2") for f in (choice.baseline, final.fit)})
+    notes.append(f"The friction's smoothing is eps = {' or '.join(f'{x:g}' for x in eps)} s.")
     if not final.fit.converged or not choice.baseline.converged:
         notes.append("A fit ended at its iteration limit; its numbers may still move.")
     bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]

@@ -40,14 +40,14 @@ def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
     which needs no cause; within a channel it is the location of a cause, or else of the effect that
     would help most there.
     """
-    total = max(removable(choice.baseline), 1e-12)
+    total = max(removable(choice.rounds[0].searched), 1e-12)
     taken: dict[str, float] = {}
     when: dict[str, str] = {}
     for r in choice.rounds:
         if r.taken is None:
             continue
         location = get_effect(r.taken).location
-        drop = max(r.before.cost - r.refits[r.taken].cost, 0.0)
+        drop = max(r.searched.cost - r.refits[r.taken].cost, 0.0)
         taken[location] = taken.get(location, 0.0) + drop
         when.setdefault(location, describe(r, location))
     last = [r.refits[r.taken].fit for r in choice.rounds if r.taken is not None][-1:]
@@ -60,7 +60,7 @@ def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
 
 
 def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
-    fit = choice.baseline
+    fit = choice.rounds[0].before
     free = free_columns(setting, fit)
     base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
     base_jac = spread(fit.linearisation, base)
@@ -103,7 +103,7 @@ def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
 def describe(round_, location: str) -> str:
     """The part of the motion in which a cause lowers the squared residuals most densely."""
     return densest(
-        round_.before.linearisation, round_.refits[round_.taken].fit.linearisation.r, location
+        round_.searched.linearisation, round_.refits[round_.taken].fit.linearisation.r, location
     )
 
 

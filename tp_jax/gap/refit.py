@@ -11,6 +11,7 @@ from tp_jax.estimation.baseline import Setting, handed_on
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import Anchor, Fit, parameter
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.sharpen import sharpened
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.directions import Variant, variants
 
@@ -127,7 +128,7 @@ def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15)
         return trial
     unknowns, bounds = _with_shapes(setting, trial)
     found = _again(trial.fit, trial.fit.values, unknowns, bounds, max_iterations, _coarse(before))
-    return Refit(found, (*trial.variants[:-1], _at(last, found.values)))
+    return _with_its_shapes(trial, found)
 
 
 def _with_shapes(setting: Setting, result: Refit) -> tuple[list[Unknown], dict]:
@@ -220,7 +221,7 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
     parameter that a wrong model had pushed to a bound may be held there by another; it is tried
     anew from inside, and kept where it does better.
     """
-    last, before = result.variants[-1], result.fit
+    before = result.fit
     unknowns, bounds = _with_shapes(setting, result)
     done = _again(before, before.values, unknowns, bounds, max_iterations)
     stuck = [u for u, b in zip(done.unknowns, done.at_bound, strict=True) if b]
@@ -228,7 +229,7 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
     if inside:
         trial = _again(done, done.values.replace(inside), unknowns, bounds, max_iterations)
         done = trial if trial.cost < done.cost else done
-    return Refit(done, (*result.variants[:-1], _at(last, done.values)))
+    return _with_its_shapes(result, done)
 
 
 def _again(
@@ -238,6 +239,19 @@ def _again(
         before.problem, values, unknowns, before.states, bounds=bounds, anchors=before.anchors,
         max_iterations=max_iterations, tolerance=tolerance, relative=1e-7,
     )  # fmt: skip
+
+
+def sharper(setting: Setting, result: Refit) -> Refit:
+    """The same model fitted with the sharpest friction (see `sharpen`)."""
+    if not result.ids:
+        return Refit(sharpened(setting, result.fit), ())
+    _, bounds = _with_shapes(setting, result)
+    return _with_its_shapes(result, sharpened(setting, result.fit, bounds=bounds))
+
+
+def _with_its_shapes(result: Refit, fit: Fit) -> Refit:
+    """A refit's model with another fit of it; the last effect's shape constants are that fit's."""
+    return Refit(fit, (*result.variants[:-1], _at(result.variants[-1], fit.values)))
 
 
 def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
@@ -253,11 +267,12 @@ def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
         return result
     problem = setting.problem(horizon)
     states = handed_on(result.fit, problem)
+    _, bounds = _with_shapes(setting, result)
     longer = fit(
-        problem, result.fit.values, result.fit.unknowns, states, bounds=setting.bounds,
+        problem, result.fit.values, result.fit.unknowns, states, bounds=bounds,
         anchors=result.fit.anchors, max_iterations=25, relative=1e-6,
     )  # fmt: skip
-    return Refit(longer, result.variants) if np.isfinite(longer.cost) else result
+    return _with_its_shapes(result, longer) if np.isfinite(longer.cost) else result
 
 
 def removable(fit: Fit) -> float:
