@@ -1,31 +1,23 @@
 """What scripts/blind runs: a blind trial made, diagnosed and scored, resumably."""
 
-import multiprocessing
 import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
+from scripts._carried_out import carried_out
+from scripts._workers import fault_of, over_all_cores
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
-from tp_jax.cli.faults import explain
 
 LAST = 12  # tasks of a process; its compiled programs add up
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    args = _parser().parse_args(argv)
-    try:
-        return _trial(args)
-    except KeyboardInterrupt:
-        print("blind: interrupted; the same call goes on from here.", file=sys.stderr)
-        return 130
-    except Exception as fault:
-        return explain(fault, debug=args.debug)
+    return carried_out("blind", _trial, _parser().parse_args(argv), resumes=True)
 
 
 def _parser() -> Parser:
@@ -59,7 +51,7 @@ def _trial(args: Any) -> int:
             make(root, args.cases, args.seed, workers=args.workers, progress=progress)
         left, workers = undiagnosed(root), args.workers
         until = begin + args.limit_s
-        failed = _over_all_cores(
+        failed = _done(
             _diagnose, [(root, name) for name in left], workers, until,
             lambda part: progress("diagnosing", part),
         )  # fmt: skip
@@ -74,7 +66,7 @@ def _trial(args: Any) -> int:
     with shown(quiet=False) as progress:
         if not args.quick:
             hidden = [(root, e["case"], e) for e in entries if e["kind"] in ("one", "two")]
-            failed = _over_all_cores(
+            failed = _done(
                 _shrink, hidden, workers, until,
                 lambda part: progress("predicting the sealed runs", part),
             )  # fmt: skip
@@ -95,59 +87,24 @@ def _trial(args: Any) -> int:
     return 1 if failed else 0
 
 
-def _over_all_cores(
+def _done(
     work: Callable[..., None],
     tasks: Sequence[tuple],
     workers: int,
     until: float,
     progress: Callable[[float], None],
 ) -> dict[str, str]:
-    """Each task in one of some processes, none begun after `until`; faults by case.
-
-    Processes last for `LAST` tasks.
-
-    Tasks are (root, case, ...).
-    """
+    """Each task (root, case, ...) in one of some processes; faults by case."""
     failed: dict[str, str] = {}
-    context = multiprocessing.get_context("spawn")
-    queue, done = list(tasks)[::-1], 0
-    while queue and time.monotonic() <= until:
-        left = min(workers * LAST, len(queue))
-        processors = context.Queue()
-        for i in range(workers):
-            processors.put(i)
-        with ProcessPoolExecutor(workers, context, _begin, (processors,)) as pool:
-            running: dict[Future, tuple] = {}
-            progress(done / len(tasks))
-            while left or running:
-                # no more in hand than run, or those in hand would begin after `until`
-                while left and len(running) < workers and time.monotonic() <= until:
-                    task = queue.pop()
-                    left -= 1
-                    running[pool.submit(work, *task)] = task
-                if not running:
-                    break
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    task = running.pop(future)
-                    fault = future.exception()
-                    if fault is not None:
-                        failed[task[1]] = f"{type(fault).__name__}: {fault}"
-                    done += 1
-                    progress(done / len(tasks))
+    progress(0.0)
+    for done, (task, future) in enumerate(
+        over_all_cores(work, tasks, workers, until, last=LAST), start=1
+    ):
+        fault = fault_of(future)
+        if fault is not None:
+            failed[task[1]] = fault
+        progress(done / len(tasks))
     return failed
-
-
-def _begin(processors: Any) -> None:
-    """A worker: on one processor, which JAX then takes for the whole machine."""
-    mine = processors.get()
-    if hasattr(os, "sched_setaffinity"):
-        allowed = sorted(os.sched_getaffinity(0))
-        os.sched_setaffinity(0, {allowed[mine % len(allowed)]})
-    import tp_jax as tp
-    from tp_jax._config import enable_compilation_cache
-
-    _ = tp.simulate  # the first name that computes sets 64 bits
-    enable_compilation_cache()
 
 
 def _diagnose(root: Path, name: str) -> None:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
+from scripts._carried_out import carried_out
 from tp_jax.cli.arguments import Parser, add_seed
 from tp_jax.cli.diagnose import EXAMPLE
-from tp_jax.cli.faults import explain
 from tp_jax.cli.output import plain, ready, write_json
 from tp_jax.errors import InputError
 from tp_jax.report import reading
@@ -31,15 +31,7 @@ HEAD = (
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    args = _parser().parse_args(argv)
-    try:
-        _table(args)
-    except KeyboardInterrupt:
-        print("tp-jax: interrupted.", file=sys.stderr)
-        return 130
-    except Exception as fault:
-        return explain(fault, debug=args.debug)
-    return 0
+    return carried_out("cases", _table, _parser().parse_args(argv), resumes=False)
 
 
 def _parser() -> Parser:
@@ -58,7 +50,7 @@ def _parser() -> Parser:
     return parser
 
 
-def _table(args: Any) -> None:
+def _table(args: Any) -> int:
     from tp_jax._config import enable_compilation_cache
 
     # all are read, and all places to write to seen, before minutes of work begin
@@ -77,6 +69,7 @@ def _table(args: Any) -> None:
             write_json(target, result)
         print(_row(_cells(result)), flush=True)
     print(f"\n{_circumstances(args.seed)}")
+    return 0
 
 
 def _campaigns(paths: Sequence[str]) -> "list[Campaign]":

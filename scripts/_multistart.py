@@ -12,10 +12,10 @@ from typing import Any
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
+from scripts._carried_out import carried_out
 from scripts._coverage.pool import mend, read
 from scripts._coverage.rig import PROFILED
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
-from tp_jax.cli.faults import explain
 from tp_jax.cli.output import made_folder, plain, write_json
 from tp_jax.errors import InputError
 
@@ -28,14 +28,7 @@ REACHED = 1.0  # chi-square above the best of a rig
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Exit code."""
-    args = _parser().parse_args(argv)
-    try:
-        return _study(args)
-    except KeyboardInterrupt:
-        print("multistart: interrupted; the same call goes on from here.", file=sys.stderr)
-        return 130
-    except Exception as fault:
-        return explain(fault, debug=args.debug)
+    return carried_out("multistart", _study, _parser().parse_args(argv), resumes=True)
 
 
 def _parser() -> Parser:

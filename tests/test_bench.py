@@ -24,7 +24,7 @@ def result(tmp_path_factory):
         patch.setenv("TP_JAX_CACHE", "off")
         from scripts._bench.__main__ import main
 
-        measures = "precision,single,sweep,sensitivities,stuck,robustness"
+        measures = "precision,single,sweep,sensitivities,stuck,robustness,identification,simplices"
         out = folder / "out"
         code = main(["--quick", "--peers", ALWAYS, "--only", measures, "--out", str(out)])
     assert code == 0
@@ -73,6 +73,41 @@ def test_rows_say_whether_a_bar_is_reached(result):
     assert {row["measure"] for row in held} >= {"single", "sensitivities", "stuck", "robustness"}
     for row in held:
         assert row["reached"] == (row["margin"] <= 1.0)
+
+
+@pytest.mark.slow
+def test_searches_beside_scipy_are_of_the_same_objective(result):
+    found, _ = result
+    many, simplices = (found["measures"][name] for name in ("identification", "simplices"))
+    ours = many["results"][0]
+    assert ours["reached"] == ours["starts"] == many["starts"]
+    assert ours["right"] == len(ours["errors"])
+    if len(simplices["results"]) > 1:  # CasADi is there
+        mine, theirs = simplices["results"]
+        np.testing.assert_allclose(mine["objectives"], theirs["objectives"], rtol=1e-4)
+
+
+def test_the_scipy_scripts_derivatives():
+    pytest.importorskip("casadi")
+    from scripts._bench import scipy_script
+    from scripts._bench.problem import NAMES, SEARCHED, bench, times
+
+    row = dict(zip(NAMES, bench(), strict=True))
+    ts = times(0.4)
+    runs = scipy_script.Runs(
+        ts, np.zeros((2, ts.size, 2)), np.array([[0.5, 0.1, 0.0, 0.0], np.zeros(4)]),
+        np.array([0.0, row["omega"]]), row["B1"], 1e-3, 1e3, 1e-10,
+    )  # fmt: skip
+    x = np.log([row[name] for name in SEARCHED])
+    found = scipy_script.jacobian(x, runs)
+    for i, change in enumerate(1e-4 * np.eye(len(x))):
+        ends = [scipy_script.residuals(x + s * change, runs) for s in (1.0, -1.0)]
+        by_difference = (ends[0] - ends[1]) / 2e-4
+        assert abs(found[:, i] - by_difference).max() < 0.02 * max(abs(found[:, i]).max(), 1.0)
+    lower, upper = np.exp(x) / 10.0, np.exp(x) * 10.0
+    drawn = scipy_script.starts(4, lower, upper, seed=0)
+    assert (np.log(lower) <= drawn).all()
+    assert (drawn <= np.log(upper)).all()
 
 
 @pytest.mark.slow

@@ -19,27 +19,21 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder().parent / "numba"))
 
 import argparse
 
+from scripts._carried_out import carried_out
 from tp_jax.cli.arguments import Parser, positive
-from tp_jax.cli.faults import explain
 from tp_jax.cli.output import made_folder, write_json
 
 SCHEMA = "tp-jax/bench/1"
 NUMBERS = "bench.json"
 MEASURES = (
     "precision", "single", "sweep", "sensitivities", "stuck", "robustness", "scaling", "shell",
+    "identification", "simplices",
 )  # fmt: skip
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Exit code."""
-    args = _parser().parse_args(argv)
-    try:
-        return _bench(args)
-    except KeyboardInterrupt:
-        print("bench: interrupted.", file=sys.stderr)
-        return 130
-    except Exception as fault:
-        return explain(fault, debug=args.debug)
+    return carried_out("bench", _bench, _parser().parse_args(argv), resumes=False)
 
 
 def _parser() -> Parser:

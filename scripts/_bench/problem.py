@@ -11,6 +11,8 @@ import numpy as np
 #: The ten parameters that are varied and differentiated by, then the drive's frequency.
 NAMES = ("k", "A", "B1", "B2", "c1", "M1", "Tv", "Ts1", "Tst", "T0", "omega")
 VARIED = NAMES[:10]
+#: What is searched for, given B1.
+SEARCHED = ("B2", "k", "A", "c1", "M1", "Tv", "Ts1", "Tst", "T0")
 #: Columns of the sensitivities: parameters, then initial states.
 DIRECTIONS = (*VARIED, "phi1(0)", "phi2(0)", "v1(0)", "v2(0)")
 
@@ -29,7 +31,8 @@ class Scale(NamedTuple):
     duration [s]; lanes of the sweep; pairs of interleaved timings; draws of the robustness;
     scaling: numbers of lanes; eps [s]; tolerances: ladder, loosest first; cap [s] on one timed
     call; budget [s] for more readings than `pairs` where calls are short; reference: tolerance of
-    the references.
+    the references; runs, recording [s], starts: of the identification; simplices, iterations: of
+    Nelder-Mead.
     """
 
     duration: float = 10.0
@@ -42,6 +45,11 @@ class Scale(NamedTuple):
     cap: float = 20.0
     budget: float = 60.0
     reference: float = 1e-12
+    runs: int = 6
+    recording: float = 10.0
+    starts: int = 16
+    simplices: int = 64
+    iterations: int = 50  # as in Listing 1 of the paper
 
     @property
     def ts(self) -> np.ndarray:
@@ -58,6 +66,11 @@ QUICK = Scale(
     eps=(1.0e3,),
     tolerances=(1e-6, 1e-8),
     budget=0.0,
+    runs=2,
+    recording=4.0,
+    starts=2,
+    simplices=2,
+    iterations=3,
 )
 
 

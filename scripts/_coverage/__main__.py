@@ -10,9 +10,9 @@ from pathlib import Path
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
+from scripts._carried_out import carried_out
 from scripts._coverage.settings import QUICK, Settings
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
-from tp_jax.cli.faults import explain
 from tp_jax.cli.output import made_folder, write_json
 from tp_jax.errors import InputError
 
@@ -22,14 +22,7 @@ RIGS, NUMBERS, FIGURE, SETTINGS = "rigs.jsonl", "coverage.json", "coverage.png",
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Exit code."""
-    args = _parser().parse_args(argv)
-    try:
-        return _coverage(args)
-    except KeyboardInterrupt:
-        print("coverage: interrupted; the same call goes on from here.", file=sys.stderr)
-        return 130
-    except Exception as fault:
-        return explain(fault, debug=args.debug)
+    return carried_out("coverage", _coverage, _parser().parse_args(argv), resumes=True)
 
 
 def _parser() -> Parser:
@@ -52,7 +45,7 @@ def _parser() -> Parser:
 
 
 def _coverage(args: argparse.Namespace) -> int:
-    from scripts._coverage.pool import over_all_cores, read, told
+    from scripts._coverage.pool import read, studied, told
     from scripts._coverage.tally import lines, tally
     from tp_jax.cli.progress import shown
 
@@ -63,7 +56,7 @@ def _coverage(args: argparse.Namespace) -> int:
     known = read(folder / RIGS)
     wanted = [i for i in range(args.rigs) if i not in known]
     with shown(quiet=False) as progress:
-        failed = over_all_cores(
+        failed = studied(
             folder / RIGS, wanted, settings, min(args.workers, max(len(wanted), 1)), until, progress
         )
     told(failed)

@@ -2,16 +2,14 @@
 same call goes on where the last one was stopped."""
 
 import json
-import multiprocessing
 import os
 import sys
-import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
 from scripts._coverage.settings import Settings
+from scripts._workers import fault_of, over_all_cores
 
 
 def read(path: Path) -> dict[int, dict[str, Any]]:
@@ -27,7 +25,7 @@ def read(path: Path) -> dict[int, dict[str, Any]]:
     return found
 
 
-def over_all_cores(
+def studied(
     path: Path,
     numbers: Sequence[int],
     settings: Settings,
@@ -41,36 +39,20 @@ def over_all_cores(
         Rig -> its fault, of those that failed.
     """
     failed: dict[int, str] = {}
-    queue, done = list(numbers)[::-1], 0
-    if not queue:
+    if not numbers:
         return failed
     mend(path)
-    context = multiprocessing.get_context("spawn")
-    processors = context.Queue()
-    for i in range(workers):
-        processors.put(i)
-    with (
-        ProcessPoolExecutor(workers, context, begin, (processors,)) as pool,
-        path.open("a", encoding="utf-8") as file,
-    ):
-        running: dict[Future, int] = {}
-        while queue or running:
-            # no more in hand than run, or those in hand would begin after `until`
-            while queue and len(running) < workers and time.monotonic() <= until:
-                number = queue.pop()
-                running[pool.submit(one, number, settings)] = number
-            if not running:
-                break
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                number = running.pop(future)
-                fault = future.exception()
-                if fault is None:
-                    file.write(future.result() + "\n")
-                    file.flush()
-                else:
-                    failed[number] = f"{type(fault).__name__}: {fault}"
-                done += 1
-                progress("rigs", done / len(numbers))
+    tasks = [(number, settings) for number in numbers]
+    with path.open("a", encoding="utf-8") as file:
+        ended = over_all_cores(one, tasks, workers, until)
+        for done, ((number, _), future) in enumerate(ended, start=1):
+            fault = fault_of(future)
+            if fault is None:
+                file.write(future.result() + "\n")
+                file.flush()
+            else:
+                failed[number] = fault
+            progress("rigs", done / len(numbers))
     return failed
 
 
@@ -81,19 +63,6 @@ def mend(path: Path) -> None:
             file.seek(-1, os.SEEK_END)
             if file.read(1) != b"\n":
                 file.write(b"\n")
-
-
-def begin(processors: Any) -> None:
-    """A worker: on one processor, which JAX then takes for the whole machine."""
-    mine = processors.get()
-    if hasattr(os, "sched_setaffinity"):
-        allowed = sorted(os.sched_getaffinity(0))
-        os.sched_setaffinity(0, {allowed[mine % len(allowed)]})
-    from tp_jax._config import compile_small_loops, enable_compilation_cache, use_float64
-
-    compile_small_loops()
-    use_float64()
-    enable_compilation_cache()
 
 
 def one(number: int, settings: Settings) -> str:

@@ -24,6 +24,7 @@ def study(number: int, settings: Settings) -> dict[str, Any]:
     from tp_jax.blind.draw import draw_rig
     from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
     from tp_jax.estimation.intervals import intervals
+    from tp_jax.estimation.sharpen import sharpened
     from tp_jax.identifiability.profile_likelihood import profiles
     from tp_jax.recordings import load_campaign
     from tp_jax.rig import make_campaign
@@ -39,7 +40,7 @@ def study(number: int, settings: Settings) -> dict[str, Any]:
         campaign = load_campaign(Path(folder, "rig"))
     simulated = time.perf_counter()
     setting = prepare_campaign(campaign, effects=())
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+    fit = sharpened(setting, grow(setting, initial_values(setting), setting.unknowns()))
     found = intervals(fit, setting)
     by_profile = {p.name: p for p in profiles(fit, setting, PROFILED)}
     truth = dataclasses.asdict(parameters)

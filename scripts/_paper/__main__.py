@@ -8,9 +8,9 @@ from typing import Any
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
+from scripts._carried_out import carried_out
 from tp_jax._config import compile_small_loops, enable_compilation_cache, use_float64
 from tp_jax.cli.arguments import Parser, add_seed
-from tp_jax.cli.faults import explain
 from tp_jax.cli.output import made_folder, write_json
 
 SCHEMA = "tp-jax/paper/1"
@@ -19,14 +19,7 @@ NUMBERS = "paper.json"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Exit code."""
-    args = _parser().parse_args(argv)
-    try:
-        return _paper(args)
-    except KeyboardInterrupt:
-        print("paper: interrupted.", file=sys.stderr)
-        return 130
-    except Exception as fault:
-        return explain(fault, debug=args.debug)
+    return carried_out("paper", _paper, _parser().parse_args(argv), resumes=False)
 
 
 def _parser() -> Parser:

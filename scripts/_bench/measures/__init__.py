@@ -2,9 +2,31 @@
 
 from collections.abc import Callable
 
-from . import precision, robustness, scaling, sensitivities, shell, single, stuck, sweep
+from . import (
+    identification,
+    precision,
+    robustness,
+    scaling,
+    sensitivities,
+    shell,
+    simplices,
+    single,
+    stuck,
+    sweep,
+)
 
 MEASURES: dict[str, Callable] = {
     module.__name__.rpartition(".")[2]: module.measure
-    for module in (precision, single, sweep, sensitivities, stuck, robustness, scaling, shell)
+    for module in (
+        precision,
+        single,
+        sweep,
+        sensitivities,
+        stuck,
+        robustness,
+        scaling,
+        shell,
+        identification,
+        simplices,
+    )
 }

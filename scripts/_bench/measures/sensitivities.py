@@ -9,14 +9,19 @@ import numpy as np
 from .. import reference
 from ..bench import Bench
 from ..compared import CVODES, against
-from ..problem import DIRECTIONS, bench
-from ..rows import BARS, Row, duration, held, plain, smoothing
+from ..peer import cores
+from ..peers.ours import many_sensitivities
+from ..pool import one as called
+from ..pool import workers
+from ..problem import DIRECTIONS, bench, sweep
+from ..rows import BARS, Row, duration, held, plain, smoothing, times
 from ..timing import interleaved, ratio, spread
 
 
 def measure(b: Bench) -> tuple[dict, list[Row]]:
-    """{"directions", "results": [{peer, eps, tolerance, errors, seconds, over_run, ...}]}."""
-    results, rows = [], []
+    """{"directions", "results": [{peer, eps, tolerance, errors, seconds, over_run, ...}], "many":
+    [{eps, lanes, seconds_per_run, ours_over_peer}]}."""
+    results, rows, many = [], [], []
     able = [peer for peer in b.peers if peer.sensitivities is not None]
     ts, row = b.scale.ts, bench()
     for eps in b.scale.eps:
@@ -45,7 +50,54 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
         ]
         results += found
         rows += _rows(b, smoothing(eps), found)
-    return {"directions": DIRECTIONS, "results": results}, rows
+        many.append(_many(b, eps, [one for one in found if one["peer"] in CVODES]))
+        rows += _rows_of_many(b, smoothing(eps), many[-1])
+    return {"directions": DIRECTIONS, "results": results, "many": many}, rows
+
+
+def _many(b: Bench, eps: float, cvodes: list[dict]) -> dict:
+    """Those of as many runs as a sweep has, ours on all cores; of CVODES' faster method four runs a
+    core, in as many processes."""
+    table, ts = sweep(b.scale.lanes), b.scale.ts
+    tol = b.tolerance(b.ours, eps)[0]
+    calls = {b.ours.name: lambda: many_sensitivities(table, eps, ts, tol)}
+    usable = [one for one in cvodes if one["error"] <= BARS["tangents"][1]] or cvodes
+    peer = min(usable, key=lambda one: one["seconds"]["median"], default=None)
+    each = {b.ours.name: len(table)}
+    if peer is not None:
+        module = f"{__package__.rsplit('.', 1)[0]}.peers.{peer['peer'].replace('-', '_')}"
+        some = table[: 4 * cores()]
+        each[peer["peer"]] = len(some)
+
+        def theirs():
+            rest = (eps, ts, peer["tolerance"])
+            tasks = [(module, "sensitivities", row, *rest) for row in some]
+            return [f.result() for f in [workers().submit(called, *task) for task in tasks]]
+
+        calls[peer["peer"]] = theirs
+    readings = interleaved(calls, b.scale.pairs)
+    readings = {name: [x / each[name] for x in values] for name, values in readings.items()}
+    found = {
+        "eps": eps, "lanes": len(table), "seconds_per_run": {
+            name: spread(values)._asdict() for name, values in readings.items()
+        },
+    }  # fmt: skip
+    if peer is not None:
+        over = ratio(readings, b.ours.name, peer["peer"])
+        found["ours_over_peer"] = {"peer": peer["peer"], **over._asdict()}
+    return found
+
+
+def _rows_of_many(b: Bench, case: str, found: dict) -> list[Row]:
+    mine = found["seconds_per_run"][b.ours.name]["median"]
+    where = f"{case}, {found['lanes']} runs"
+    rows = [plain("sensitivities", where, b.ours.name, f"{duration(mine)} a run on all cores")]
+    over = found.get("ours_over_peer")
+    if over is not None:
+        value = f"{times(over['median'])} {over['peer']}, on all cores too"
+        rows.append(held("sensitivities over cvodes", "sensitivities", where, b.ours.name,
+                         over["median"], value))  # fmt: skip
+    return rows
 
 
 def _relative(values: np.ndarray, truth: np.ndarray) -> np.ndarray:

@@ -28,13 +28,18 @@ def equations() -> dict:
 
 
 @lru_cache(maxsize=8)
-def integrator(grid: bytes, tol: float, directions: int, method: str = "bdf") -> ca.Function:
-    """An integrator over the grid of output times; building one takes a few milliseconds."""
+def integrator(
+    grid: bytes, tol: float, directions: int, method: str = "bdf", most: int = 2_000_000_000
+) -> ca.Function:
+    """An integrator over the grid of output times; building one takes a few milliseconds.
+
+    most: steps from one output time to the next.
+    """
     ts = np.frombuffer(grid)
     options = {
-        "reltol": tol, "abstol": tol, "max_num_steps": 2_000_000_000, "nfwd": directions,
+        "reltol": tol, "abstol": tol, "max_num_steps": most, "nfwd": directions,
         "linear_multistep_method": method, "second_order_correction": False,
-        "disable_internal_warnings": True,
+        "disable_internal_warnings": True, "show_eval_warnings": False,
     }  # fmt: skip
     return ca.integrator("run", "cvodes", equations(), ts[0], ts.tolist(), options)
 

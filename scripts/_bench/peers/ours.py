@@ -59,6 +59,11 @@ def sensitivities(parameters, eps, ts, tol):
     return np.roll(np.stack([found.phi1, found.phi2], axis=1), -4, axis=2)
 
 
+def many_sensitivities(table, eps, ts, tol):
+    """Those of the rows of `table` as a user gets them, `tp_jax.Sensitivities`."""
+    return tp.sensitivities(_models(np.asarray(table), eps), ts, tolerance=tol)
+
+
 def steps(table, eps, ts, tol):
     """For the rows of `table`: whether each run was completed (lanes,), and its steps (lanes,)."""
     done = motions(table, eps, ts, tol)
