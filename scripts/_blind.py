@@ -9,6 +9,7 @@ from typing import Any
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
+from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._workers import fault_of, over_all_cores
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
@@ -35,6 +36,7 @@ def _parser() -> Parser:
                         help="begin no case after so many seconds")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="as `tp-jax blind score --quick`")
     parser.add_argument("--json", metavar="F", help="of the score (default DIR/score.json)")
+    parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
@@ -42,9 +44,10 @@ def _parser() -> Parser:
 def _trial(args: Any) -> int:
     from tp_jax.blind import make, score
     from tp_jax.blind.seal import open_key, undiagnosed
-    from tp_jax.cli.output import write_json
+    from tp_jax.cli.output import ready, write_json, write_text
     from tp_jax.cli.progress import shown
 
+    ready(args.json, args.markdown)
     begin, root = time.monotonic(), Path(args.directory)
     with shown(quiet=False) as progress:
         if not (root / "KEY.sha256").is_file():
@@ -78,6 +81,8 @@ def _trial(args: Any) -> int:
                 return 0
         scored = score(root, shrinks=shrinks, progress=progress)
     write_json(args.json or root / "score.json", scored)
+    if args.markdown is not None:
+        write_text(Path(args.markdown), _markdown(scored, args.seed))
     if args.json != "-":
         from rich.console import Console
 
@@ -85,6 +90,13 @@ def _trial(args: Any) -> int:
 
         Console().print(tables(scored))
     return 1 if failed else 0
+
+
+def _markdown(scored: dict[str, Any], seed: int) -> str:
+    from tp_jax.blind.table import sheets
+
+    parts = [f"{s.title}:\n\n{markdown.table(s.heads, s.rows)}" for s in sheets(scored)]
+    return "\n\n".join([*parts, markdown.circumstances(seed)]) + "\n"
 
 
 def _done(

@@ -1,8 +1,6 @@
 """What scripts/cases runs: diagnoses campaigns and prints one Markdown table of the results."""
 
-import datetime
 import os
-import platform
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -12,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
 from scripts._carried_out import carried_out
+from scripts._markdown import circumstances, row
 from tp_jax.cli.arguments import Parser, add_seed
 from tp_jax.cli.diagnose import EXAMPLE
 from tp_jax.cli.output import plain, ready, write_json
@@ -61,14 +60,14 @@ def _table(args: Any) -> int:
     import tp_jax as tp
 
     enable_compilation_cache()
-    print(_row(HEAD))
-    print(_row("---" for _ in HEAD), flush=True)
+    print(row(HEAD))
+    print(row("---" for _ in HEAD), flush=True)
     for campaign, target in zip(campaigns, targets, strict=True):
         result = plain(tp.diagnose(campaign, seed=args.seed).to_dict())
         if target is not None:
             write_json(target, result)
-        print(_row(_cells(result)), flush=True)
-    print(f"\n{_circumstances(args.seed)}")
+        print(row(_cells(result)), flush=True)
+    print(f"\n{circumstances(args.seed)} Seconds include what had to be compiled.")
     return 0
 
 
@@ -114,24 +113,6 @@ def _cells(result: Mapping[str, Any]) -> list[str]:
         result["campaign"], result["verdict"], named, shrink, *errors,
         angle(reading.floor(result)), seconds,
     ]  # fmt: skip
-
-
-def _row(cells: Any) -> str:
-    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
-
-
-def _circumstances(seed: int) -> str:
-    import jax
-
-    from tp_jax._version import __version__
-
-    processor = platform.processor() or platform.machine() or "unknown processor"
-    return (
-        f"{datetime.date.today().isoformat()}; {processor}, {os.cpu_count()} CPUs, "
-        f"{platform.system()}; JAX on {jax.default_backend()}; Python "
-        f"{platform.python_version()}, JAX {jax.__version__}, tp-jax {__version__}; seed {seed}. "
-        "Seconds include what had to be compiled."
-    )
 
 
 if __name__ == "__main__":

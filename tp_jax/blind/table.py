@@ -1,11 +1,11 @@
-"""The score for a terminal, as tables of rich."""
+"""The score as sheets, and those as tables for a terminal."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Group
-    from rich.table import Table
 
 WORDS = {
     "top1": "cause, first named", "top1_alone": "  ties not counted as one",
@@ -21,11 +21,41 @@ BY_SIZE = ("top1", "top3", "location", "unknown", "channel_outside", "both_named
 MISSING = "–"
 
 
-def tables(scored: Mapping[str, Any]) -> "Group":
-    """All tables of a score: measures, by size, by effect."""
-    from rich.console import Group
+@dataclass(frozen=True)
+class Sheet:
+    """A table without a form.
 
-    return Group(_overall(scored), _sizes(scored), _effects(scored))
+    Attributes:
+        title: over it.
+        heads: of the columns.
+        rows: cells, as many in each as there are heads.
+    """
+
+    title: str
+    heads: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+
+
+def tables(scored: Mapping[str, Any]) -> "Group":
+    """All sheets of a score, for a terminal."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Group
+    from rich.table import Table
+
+    drawn = []
+    for sheet in sheets(scored):
+        table = Table(title=sheet.title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+        for head in sheet.heads:
+            table.add_column(head)
+        for cells in sheet.rows:
+            table.add_row(*cells)
+        drawn.append(table)
+    return Group(*drawn)
+
+
+def sheets(scored: Mapping[str, Any]) -> list[Sheet]:
+    """Measures, by size, by effect."""
+    return [_overall(scored), _sizes(scored), _effects(scored)]
 
 
 def measure(of: Mapping[str, Any], *, interval: bool = True) -> str:
@@ -38,49 +68,37 @@ def measure(of: Mapping[str, Any], *, interval: bool = True) -> str:
     return f"{text}, n {of['n']}"
 
 
-def _overall(scored: Mapping[str, Any]) -> "Table":
-    table = _table(f"{scored['cases']} cases", "", "all sizes", "from 3 × detectable")
+def _overall(scored: Mapping[str, Any]) -> Sheet:
+    rows = []
     for name, words in WORDS.items():
         later = MISSING if name == "false_alarm" else measure(scored["from_3"][name])
-        table.add_row(words, measure(scored[name]), later)
-    return table
+        rows.append((words, measure(scored[name]), later))
+    return Sheet(f"{scored['cases']} cases", ("", "all sizes", "from 3 × detectable"), rows)
 
 
-def _sizes(scored: Mapping[str, Any]) -> "Table":
+def _sizes(scored: Mapping[str, Any]) -> Sheet:
     bands = [band for band in scored["bands"] if any(band[name]["n"] for name in BY_SIZE)]
     heads = [
         f"{band['from']:g}–{band['to']:g} ×" if band["to"] else f"from {band['from']:g} ×"
         for band in bands
     ]
-    table = _table("by size, in minimum detectable ones", "", *heads)
-    for name in BY_SIZE:
-        cells = [measure(band[name], interval=False) for band in bands]
-        table.add_row(WORDS[name], *cells)
-    return table
+    rows = [
+        (WORDS[name], *(measure(band[name], interval=False) for band in bands)) for name in BY_SIZE
+    ]
+    return Sheet("by size, in minimum detectable ones", ("", *heads), rows)
 
 
-def _effects(scored: Mapping[str, Any]) -> "Table":
-    table = _table(
-        "by effect, alone in its rig", "hidden", "median size", "named", "location or channel",
-        "said instead",
-    )  # fmt: skip
+def _effects(scored: Mapping[str, Any]) -> Sheet:
+    rows = []
     for id, row in scored["effects"].items():
         inside = row["kind"] == "one"
-        table.add_row(
+        cells = (
             id,
             f"{row['multiple']:.1f} ×",
             measure(row["top1" if inside else "unknown"], interval=False),
             measure(row["location" if inside else "channel"], interval=False),
             ", ".join(f"{said} {n}" for said, n in row["instead"].items()),
         )
-    return table
-
-
-def _table(title: str, *heads: str) -> "Table":
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-    for head in heads:
-        table.add_column(head)
-    return table
+        rows.append(cells)
+    heads = ("hidden", "median size", "named", "location or channel", "said instead")
+    return Sheet("by effect, alone in its rig", heads, rows)
