@@ -5,6 +5,16 @@ within |v| of a few 1/eps, microseconds of a run of seconds, and an error estima
 layer by failing: it shrinks the step over several rejections, or jumps over the layer without
 noticing. Where a body slows down, the time of its reversal is known well enough, v/|a|, so the
 step is bounded by a part of it beforehand.
+
+Inside the layer an acceleration need not mean that a reversal comes: what a step leaves of it there
+dies out within microseconds, and the body creeps on. It comes only if the acceleration exceeds
+what the slope of the friction takes back on the way to zero.
+
+A body that something far stronger than its friction turns round, such as a stiff spring, passes the
+layer in a nanosecond. It cannot come to rest there, and what its velocity can be wrong by, if the
+layer is jumped over, is the jump of its acceleration times the step. Where that is within what a
+step's error may be, nothing is resolved (not for tangents, which would miss what the layer does to
+them).
 """
 
 from typing import NamedTuple
@@ -21,7 +31,9 @@ class Control(NamedTuple):
     angle: error of an angle in a step [rad]. velocity: error of a velocity, in parts of
     `angle` times the natural frequency. friction: greatest deviation of the smoothed sign from
     its tangent. approach: greatest part of the time left to a reversal. layer: width of the
-    layer, in 1/eps. growth, shrink: bounds of a step's change.
+    layer, in 1/eps. creep: part of what the slope takes back that an acceleration must have to
+    mean a reversal. crossing: error that jumping over a layer may make, in parts of that of a
+    velocity; 0: none is jumped over. growth, shrink: bounds of a step's change.
     """
 
     angle: Array | float = 2e-6
@@ -29,16 +41,63 @@ class Control(NamedTuple):
     friction: Array | float = 0.2
     approach: Array | float = 0.5
     layer: Array | float = 0.5
+    creep: Array | float = 0.5
+    crossing: Array | float = 0.65
     growth: Array | float = 3.0
     shrink: Array | float = 0.1
 
 
-def reversal_rate(y: list[Array], f: list[Array], eps: tuple[Array, Array], c: Control) -> Array:
-    """Inverse of the longest step [1/s] that a coming reversal allows."""
+class Layers(NamedTuple):
+    """What the layers of the two bodies do, as far as it is known.
+
+    jumps: by how much a sign changes the accelerations [rad/s²]. harmless: longest step [s] that
+    may jump over a layer, 0 where the body may come to rest. weight: error of a velocity that a
+    step which does makes per second, against what is allowed.
+    """
+
+    jumps: tuple[Array, Array]
+    harmless: list[Array]
+    weight: list[Array]
+
+
+def layers(f: list[Array], jumps: tuple[Array, Array], natural: Array, c: Control) -> Layers:
+    """Which layers may be jumped over.
+
+    Args:
+        f: derivatives of the state.
+        jumps: by how much the sign of each velocity changes the accelerations [rad/s²].
+        natural: natural frequency [rad/s].
+        c: bounds.
+    """
+    allowed = c.velocity * natural * c.angle
+    harmless, weight = [], []
+    for a, jump in zip(f[2:4], jumps, strict=True):
+        # twice: the other body's friction may change the acceleration too
+        turned = (jnp.abs(a) > 2.0 * jump) & (c.crossing > 0.0)
+        harmless.append(jnp.where(turned, c.crossing * allowed / jnp.maximum(jump, 1e-300), 0.0))
+        weight.append(jnp.where(turned, jump / allowed, jnp.inf))
+    return Layers(jumps, harmless, weight)
+
+
+def reversal_rate(
+    y: list[Array],
+    f: list[Array],
+    eps: tuple[Array, Array],
+    c: Control,
+    known: Layers | None = None,
+) -> Array:
+    """Inverse of the longest step [1/s] that a coming reversal allows.
+
+    known: the layers; None: every slowing body may be about to reverse.
+    """
     rate = jnp.zeros_like(y[0])
-    for v, a, e in zip(y[2:4], f[2:4], eps, strict=True):
+    for i, (v, a, e) in enumerate(zip(y[2:4], f[2:4], eps, strict=True)):
         slowing = v * a < 0.0
         bound = jnp.abs(a) / (c.approach * jnp.abs(v) + c.layer / e)
+        if known is not None:
+            slope = known.jumps[i] * e / (jnp.pi * (1.0 + (e * v) ** 2))
+            slowing = slowing & (jnp.abs(a) > c.creep * slope * jnp.abs(v))
+            bound = jnp.minimum(bound, 1.0 / known.harmless[i])
         rate = jnp.maximum(rate, jnp.where(slowing, bound, 0.0))
     return rate
 
@@ -50,6 +109,8 @@ def error_ratio(
     eps: tuple[Array, Array],
     natural: Array,
     c: Control,
+    h: Array | None = None,
+    known: Layers | None = None,
 ) -> Array:
     """Error of a step against what is allowed; at most 1 for a good one.
 
@@ -59,17 +120,22 @@ def error_ratio(
         eps: slopes of the smoothed signs [s].
         natural: natural frequency [rad/s], to compare velocities with angles.
         c: bounds.
+        h: the step [s]; needed with `known`.
+        known: the layers; None: none may be jumped over.
     """
     angles = jnp.maximum(jnp.abs(error[0]), jnp.abs(error[1]))
     velocities = jnp.maximum(jnp.abs(error[2]), jnp.abs(error[3])) / (c.velocity * natural)
     worst = jnp.maximum(angles, velocities)
     for x in error[4:]:  # own states of effects are angles or smaller
         worst = jnp.maximum(worst, jnp.abs(x))
-    for v, v_end, e in zip(y[2:4], end[2:4], eps, strict=True):
+    for i, (v, v_end, e) in enumerate(zip(y[2:4], end[2:4], eps, strict=True)):
         slope = (2.0 / jnp.pi) * e / (1.0 + (e * v) ** 2)
-        bend = (smooth_sign(v_end, e) - smooth_sign(v, e) - slope * (v_end - v)) / c.friction
-        # of the same order in the step as the error
-        worst = jnp.maximum(worst, c.angle * bend**4)
+        off = smooth_sign(v_end, e) - smooth_sign(v, e) - slope * (v_end - v)
+        bend = (off / c.friction) ** 4  # of the same order in the step as the error
+        if known is not None:
+            assert h is not None
+            bend = jnp.minimum(bend, known.weight[i] * h)
+        worst = jnp.maximum(worst, c.angle * bend)
     return worst / c.angle
 
 

@@ -19,13 +19,16 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from tp_jax.simulation.control import Control, error_ratio, factor, reversal_rate
+from tp_jax.simulation.control import Control, error_ratio, factor, layers, reversal_rate
 from tp_jax.simulation.step import Field, Restart, Stepped, Structure, advance, between, structure
 from tp_jax.simulation.tableau import RODAS4
 from tp_jax.simulation.tangents import Curvature, curvature, differentiate, linear
 
 PASSES = 64
 """Steps between two visits of the outer loop."""
+
+OUTSIDE = 30.0
+"""Velocities, in 1/eps, so far from zero are outside the layer of a smoothed sign."""
 
 SMALLEST = 1e-13
 """A lane whose step [s] falls below this is given up."""
@@ -110,6 +113,8 @@ def integrate(
     rows = wanted + changing * nd
     shape = structure(field, nc, n_p)
     bends = curvature(field, shape, n_p) if nd else None
+    if nd:  # tangents have to see every layer
+        control = control._replace(crossing=0.0)
 
     def load(run: Array) -> tuple[tuple, tuple, list[Array]]:
         mine = table[:, run]
@@ -137,6 +142,7 @@ def integrate(
 
     def inner(run: Array, lanes: _Lanes) -> tuple[_Lanes, Array, Array]:
         q, e, _ = load(run)
+        jumps = _jumps(field, lanes.t, lanes.y, q, e)
 
         def go_on(carry):
             i, lanes, _, _ = carry
@@ -157,6 +163,7 @@ def integrate(
                 per_step,
                 velocities,
                 changing == 4,
+                jumps,
             )
             # One by one: stacked first, every element would ask which of them it comes from.
             for r in range(per_step):
@@ -220,7 +227,7 @@ def integrate(
 def _pass(
     field: Field, shape: Structure, bends: Curvature | None, lanes: _Lanes, q: tuple, e: tuple,
     directions: Array | None, ts: Array, c: Control, per_step: int, velocities: bool,
-    tangent_velocities: bool,
+    tangent_velocities: bool, jumps: tuple[Array, Array],
 ) -> tuple[_Lanes, list[list[Array]], list[Array]]:  # fmt: skip
     """One attempt at a step in every lane, and what lies inside it."""
     n = ts.size
@@ -230,7 +237,7 @@ def _pass(
     beyond = jnp.minimum(k + per_step, n - 1)
     room = (ts[beyond] - t) * jnp.where(k + per_step < n, 1.0 - 1e-9, 1.0)
     room = jnp.where(active, room, 1.0)
-    h, new, ratio = attempt(field, shape, t, lanes.h, room, y, f, q, e, c)
+    h, new, ratio = attempt(field, shape, t, lanes.h, room, y, f, q, e, c, jumps=jumps)
     accept = active & (ratio <= 1.0)
     rate = clock_rate(field, t, y, q)
 
@@ -279,16 +286,20 @@ def _pass(
 def attempt(
     field: Field, shape: Structure, t: Array, h: Array, room: Array, y: list[Array],
     f: list[Array], q: tuple, e: tuple, c: Control, restart: Restart | None = None,
+    jumps: tuple[Array, Array] | None = None,
 ) -> tuple[Array, Stepped, Array]:  # fmt: skip
     """A step of the size that the control wants, no longer than `room`.
+
+    jumps: see `control.layers`; None: every layer is resolved.
 
     Returns:
         Its size [s], the step, and its error against what is allowed (`control.error_ratio`).
     """
-    h = 1.0 / jnp.maximum(jnp.maximum(1.0 / h, 1.0 / room), reversal_rate(y, f, e, c))
-    new = advance(field, shape, RODAS4, t, h, y, f, q, restart)
     natural = jnp.ones_like(t) * _natural(field, t, y, q)
-    return h, new, error_ratio(y, new.y, new.error, e, natural, c)
+    known = None if jumps is None else layers(f, jumps, natural, c)
+    h = 1.0 / jnp.maximum(jnp.maximum(1.0 / h, 1.0 / room), reversal_rate(y, f, e, c, known))
+    new = advance(field, shape, RODAS4, t, h, y, f, q, restart)
+    return h, new, error_ratio(y, new.y, new.error, e, natural, c, h, known)
 
 
 def reached(x: Array, h: Array, t: Array) -> Array:
@@ -306,6 +317,26 @@ def _natural(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
     """Natural frequency of the column [rad/s], from the spring's pull at this instant."""
     pull = jax.jvp(lambda x: field(t, (x, *y[1:]), q)[2], (y[0],), (jnp.ones_like(t),))[1]
     return jnp.sqrt(jnp.maximum(jnp.abs(pull), 1e-12))
+
+
+def _jumps(
+    field: Field, t: Array, y: list[Array], q: tuple, eps: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """By how much accelerations change with the sign of either velocity [rad/s²], at most.
+
+    It changes slowly, with the other body's motion and the states of effects.
+    """
+    found = []
+    for i, e in zip((2, 3), eps, strict=True):
+        beyond = OUTSIDE / e
+        ends = [
+            field(t, tuple(v if j == i else x for j, x in enumerate(y)), q)
+            for v in (beyond, -beyond)
+        ]
+        found.append(
+            jnp.maximum(jnp.abs(ends[0][2] - ends[1][2]), jnp.abs(ends[0][3] - ends[1][3]))
+        )
+    return found[0], found[1]
 
 
 def clock_rate(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
