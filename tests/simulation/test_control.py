@@ -46,9 +46,8 @@ def test_a_body_turned_by_a_stiff_spring_may_jump_over_its_layer():
     end, _ = state(v1=-1.0)
     error = [jnp.zeros(1)] * 4
     h = jnp.array([longest])
-    assert float(error_ratio(y, end, error, EPS, NATURAL, C, h, known)[0]) <= C.crossing * (
-        1 + 1e-9
-    )
+    ratio = float(error_ratio(y, end, error, EPS, NATURAL, C, h, known)[0])
+    assert ratio == pytest.approx(C.crossing)
     assert float(error_ratio(y, end, error, EPS, NATURAL, C)[0]) > 1.0
     # tangents have to see every layer
     none = layers(f, jumps(1.0, 0.0), NATURAL, Control(crossing=0.0))
