@@ -33,7 +33,8 @@ def _parser() -> Parser:
     parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
                         help="processes (default: as many as processors)")  # fmt: skip
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no case after so many seconds")  # fmt: skip
+                        help="begin no case after so many seconds; what is known is scored once all "
+                        "are diagnosed")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="as `tp-jax blind score --quick`")
     parser.add_argument("--json", metavar="F", help="of the score (default DIR/score.json)")
     parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
@@ -77,8 +78,10 @@ def _trial(args: Any) -> int:
                 print(f"blind: the sealed runs of {name}: {fault}", file=sys.stderr)
             todo = [h for h in hidden if not _sealed(root, h[1]).is_file()]
             if todo and time.monotonic() > until:
-                print(f"blind: the sealed runs of {len(todo)} cases wait; the same call goes on.")
-                return 0
+                print(
+                    f"blind: the sealed runs of {len(todo)} cases wait, and the shrinks are those of "
+                    "the others; the same call goes on."
+                )
         scored = score(root, shrinks=shrinks, progress=progress)
     write_json(args.json or root / "score.json", scored)
     if args.markdown is not None:
@@ -142,7 +145,7 @@ def _shrink(root: Path, name: str, entry: dict[str, Any]) -> None:  # noqa: ARG0
 
 
 def _known_shrink(root: Path, entry: Any, diagnosis: Any) -> dict[str, float | None]:
-    """What `_shrink` has left; a case in which it failed is not counted, and told of above."""
+    """What `_shrink` has left; a case in which it failed or that waits is not counted."""
     if not _sealed(root, entry["case"]).is_file():
         return {"shrink": None, "best": None}
     from tp_jax.blind.sealed_runs import measured
