@@ -33,8 +33,8 @@ def _parser() -> Parser:
     parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
                         help="processes (default: as many as processors)")  # fmt: skip
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no case after so many seconds; what is known is scored once all "
-                        "are diagnosed")  # fmt: skip
+                        help="begin no case after so many seconds; what is known is scored "
+                        "once all are diagnosed")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="as `tp-jax blind score --quick`")
     parser.add_argument("--json", metavar="F", help="of the score (default DIR/score.json)")
     parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
@@ -79,8 +79,8 @@ def _trial(args: Any) -> int:
             todo = [h for h in hidden if not _sealed(root, h[1]).is_file()]
             if todo and time.monotonic() > until:
                 print(
-                    f"blind: the sealed runs of {len(todo)} cases wait, and the shrinks are those of "
-                    "the others; the same call goes on."
+                    f"blind: the sealed runs of {len(todo)} cases wait, and the shrinks are those "
+                    "of the others; the same call goes on."
                 )
         scored = score(root, shrinks=shrinks, progress=progress)
     write_json(args.json or root / "score.json", scored)
