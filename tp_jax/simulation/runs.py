@@ -63,6 +63,7 @@ class _Lanes(NamedTuple):
     fs: list[Array]
     doubt: Array  # (D, L) accumulated error of the angles' tangents
     unit: Array  # (D, L) ones, see `tangents.differentiate`
+    jumps: tuple[Array, Array]  # see `sign_jumps`
 
 
 def integrate(
@@ -121,7 +122,7 @@ def integrate(
         return tuple(mine[:n_p]), (mine[n_p], mine[n_p + 1]), list(mine[n_p + 2 :])
 
     def begin(run: Array) -> _Lanes:
-        q, _, y = load(run)
+        q, e, y = load(run)
         zero = jnp.zeros_like(y[0])
         t = zero + ts[0]
         start = lambda y, q: list(field(t, tuple(y), q))  # noqa: E731
@@ -138,11 +139,11 @@ def integrate(
         return _Lanes(
             t, jnp.ones_like(run), zero + first, jnp.zeros_like(run), y, f, s, fs,
             jnp.zeros((nd, run.size)), 1.0 + 0.0 * fs[-1] if nd else zero,
+            sign_jumps(field, t, y, q, e),
         )  # fmt: skip
 
     def inner(run: Array, lanes: _Lanes) -> tuple[_Lanes, Array, Array]:
         q, e, _ = load(run)
-        jumps = _jumps(field, lanes.t, lanes.y, q, e)
 
         def go_on(carry):
             i, lanes, _, _ = carry
@@ -163,7 +164,6 @@ def integrate(
                 per_step,
                 velocities,
                 changing == 4,
-                jumps,
             )
             # One by one: stacked first, every element would ask which of them it comes from.
             for r in range(per_step):
@@ -227,7 +227,7 @@ def integrate(
 def _pass(
     field: Field, shape: Structure, bends: Curvature | None, lanes: _Lanes, q: tuple, e: tuple,
     directions: Array | None, ts: Array, c: Control, per_step: int, velocities: bool,
-    tangent_velocities: bool, jumps: tuple[Array, Array],
+    tangent_velocities: bool,
 ) -> tuple[_Lanes, list[list[Array]], list[Array]]:  # fmt: skip
     """One attempt at a step in every lane, and what lies inside it."""
     n = ts.size
@@ -237,7 +237,7 @@ def _pass(
     beyond = jnp.minimum(k + per_step, n - 1)
     room = (ts[beyond] - t) * jnp.where(k + per_step < n, 1.0 - 1e-9, 1.0)
     room = jnp.where(active, room, 1.0)
-    h, new, ratio = attempt(field, shape, t, lanes.h, room, y, f, q, e, c, jumps=jumps)
+    h, new, ratio = attempt(field, shape, t, lanes.h, room, y, f, q, e, c, jumps=lanes.jumps)
     accept = active & (ratio <= 1.0)
     rate = clock_rate(field, t, y, q)
 
@@ -278,7 +278,7 @@ def _pass(
         steps=lanes.steps + active,
         y=[jnp.where(accept, a, b) for a, b in zip(new.y, y, strict=True)],
         f=[jnp.where(accept, a, b) for a, b in zip(new.f, f, strict=True)],
-        s=s, fs=fs, doubt=doubt, unit=lanes.unit,
+        s=s, fs=fs, doubt=doubt, unit=lanes.unit, jumps=lanes.jumps,
     )  # fmt: skip
     return after, rows, place
 
@@ -319,12 +319,13 @@ def _natural(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
     return jnp.sqrt(jnp.maximum(jnp.abs(pull), 1e-12))
 
 
-def _jumps(
+def sign_jumps(
     field: Field, t: Array, y: list[Array], q: tuple, eps: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """By how much accelerations change with the sign of either velocity [rad/s²], at most.
 
-    It changes slowly, with the other body's motion and the states of effects.
+    It changes with the motion only where an effect's friction does, and then by some part of
+    itself: good enough for the control of steps, of which a run's beginning decides once.
     """
     found = []
     for i, e in zip((2, 3), eps, strict=True):
