@@ -1,5 +1,6 @@
 """What scripts/blind runs: a blind trial made, diagnosed and scored, resumably."""
 
+import json
 import os
 import sys
 import time
@@ -13,6 +14,7 @@ from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._workers import fault_of, over_all_cores
 from tp_jax.cli.arguments import Parser, add_seed, count, positive
+from tp_jax.errors import InputError
 
 LAST = 12  # tasks of a process; its compiled programs add up
 
@@ -35,6 +37,11 @@ def _parser() -> Parser:
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
                         help="begin no case after so many seconds; what is known is scored "
                         "once all are diagnosed")  # fmt: skip
+    parser.add_argument("--first", metavar="N", type=count,
+                        help="of the cases; the others are given up")  # fmt: skip
+    parser.add_argument("--pool", metavar="F", action="append", default=[],
+                        help="score.json of another trial of the same program, for the tables "
+                        "(repeatable)")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="as `tp-jax blind score --quick`")
     parser.add_argument("--json", metavar="F", help="of the score (default DIR/score.json)")
     parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
@@ -43,29 +50,30 @@ def _parser() -> Parser:
 
 
 def _trial(args: Any) -> int:
-    from tp_jax.blind import make, score
+    from tp_jax.blind import make, pool, score
     from tp_jax.blind.seal import open_key, undiagnosed
     from tp_jax.cli.output import ready, write_json, write_text
     from tp_jax.cli.progress import shown
 
     ready(args.json, args.markdown)
+    others = [_read(path) for path in args.pool]
     begin, root = time.monotonic(), Path(args.directory)
     with shown(quiet=False) as progress:
         if not (root / "KEY.sha256").is_file():
             make(root, args.cases, args.seed, workers=args.workers, progress=progress)
-        left, workers = undiagnosed(root), args.workers
+        left, workers = undiagnosed(root, args.first), args.workers
         until = begin + args.limit_s
         failed = _done(
             _diagnose, [(root, name) for name in left], workers, until,
             lambda part: progress("diagnosing", part),
         )  # fmt: skip
-    left = undiagnosed(root)
+    left = undiagnosed(root, args.first)
     for name, fault in failed.items():
         print(f"blind: the diagnosis of {name} failed: {fault}", file=sys.stderr)
     if left:
         print(f"blind: {len(left)} cases are without a diagnosis; the same call goes on.")
         return 1 if failed else 0
-    entries = open_key(root)["cases"]  # opened from here on
+    entries = open_key(root, args.first)["cases"]  # opened from here on
     shrinks = None if args.quick else _known_shrink
     with shown(quiet=False) as progress:
         if not args.quick:
@@ -82,8 +90,10 @@ def _trial(args: Any) -> int:
                     f"blind: the sealed runs of {len(todo)} cases wait, and the shrinks are those "
                     "of the others; the same call goes on."
                 )
-        scored = score(root, shrinks=shrinks, progress=progress)
+        scored = score(root, shrinks=shrinks, first=args.first, progress=progress)
     write_json(args.json or root / "score.json", scored)
+    if others:
+        scored = pool([*others, scored])
     if args.markdown is not None:
         write_text(Path(args.markdown), _markdown(scored, args.seed))
     if args.json != "-":
@@ -93,6 +103,13 @@ def _trial(args: Any) -> int:
 
         Console().print(tables(scored))
     return 1 if failed else 0
+
+
+def _read(path: str) -> dict[str, Any]:
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as fault:
+        raise InputError(f"{path} is no score of a trial: {fault}.") from fault
 
 
 def _markdown(scored: dict[str, Any], seed: int) -> str:

@@ -6,9 +6,10 @@ import pytest
 from scipy import stats
 
 from tests.blind.conftest import diagnosis_of
-from tp_jax.blind import score
+from tp_jax.blind import pool, score
 from tp_jax.blind.measures import mean, share
 from tp_jax.cli import main
+from tp_jax.errors import InputError
 
 SPRING, TILT, WEAR = "spring_asymmetry", "column_tilt", "contact_wear"
 
@@ -134,3 +135,23 @@ def test_command(trial, capsys):
     (root / "KEY.sha256").unlink()
     assert main(["blind", "score", str(root)]) == 2
     assert "no blind trial" in capsys.readouterr().err
+
+
+def test_trials_are_pooled_case_by_case(trial):
+    root = trial(*CASES)
+    one = score(root)
+    other = json.loads(json.dumps(one | {"keys": ["of another trial"]}))
+    both = pool([one, other])
+    assert both["cases"] == 2 * one["cases"]
+    assert both["keys"] == [*one["keys"], "of another trial"]
+    assert both["top1"]["n"] == 2 * one["top1"]["n"]
+    assert both["top1"]["value"] == pytest.approx(one["top1"]["value"])
+    assert both["top1"]["ci95"][0] > one["top1"]["ci95"][0]
+    assert both["shrink_error"]["on"] == "the run it held out"
+    with pytest.raises(InputError, match="there twice"):
+        pool([one, one])
+    with pytest.raises(InputError, match="must be scores"):
+        pool([one, {"schema": "tp-jax/diagnosis/1"}])
+    sealed = other | {"shrink_error": {**other["shrink_error"], "on": "sealed runs"}}
+    with pytest.raises(InputError, match="cannot be pooled"):
+        pool([one, sealed])

@@ -67,3 +67,13 @@ def test_what_is_no_diagnosis_of_the_case(trial, text, part):
     (root / "case-001-diagnosis" / "diagnosis.json").write_text(text)
     with pytest.raises(InputError, match=part):
         score(root)
+
+
+def test_the_first_cases_alone_may_be_scored(trial):
+    gap = diagnosis_of("no_gap")
+    root = trial(("none", {}, gap), ("none", {}, gap), ("none", {}, None))
+    assert undiagnosed(root, 2) == []
+    assert [entry["case"] for entry in open_key(root, 2)["cases"]] == ["case-001", "case-002"]
+    assert score(root, first=2)["cases"] == 2
+    with pytest.raises(InputError, match="1 of 3 have none"):
+        score(root, first=3)

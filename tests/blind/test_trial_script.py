@@ -5,6 +5,7 @@ import json
 
 from scripts import _blind as study
 from tests.blind.test_score import CASES
+from tp_jax.blind import score
 
 
 def test_score_and_tables(trial, tmp_path, capsys):
@@ -29,3 +30,16 @@ def test_a_page_that_cannot_be_written_is_told_of_first(tmp_path, capsys):
     assert study.main([str(tmp_path / "none"), "--markdown", str(tmp_path)]) == 2
     assert "it is a folder" in capsys.readouterr().err
     assert not (tmp_path / "none").exists()
+
+
+def test_scores_of_other_trials_are_pooled(trial, tmp_path, capsys):
+    root = trial(*CASES)
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps(score(root) | {"keys": ["of another trial"]}))
+    page = tmp_path / "trial.md"
+    words = [str(root), "--quick", "--pool", str(other), "--markdown", str(page)]
+    assert study.main(words) == 0
+    assert page.read_text().startswith("14 cases:")
+    assert json.loads((root / "score.json").read_text())["cases"] == 7
+    assert study.main([str(root), "--pool", str(page)]) == 2
+    assert "is no score of a trial" in capsys.readouterr().err

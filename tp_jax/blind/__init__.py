@@ -13,4 +13,5 @@ A trial lies in one folder:
 """
 
 from tp_jax.blind.make import make as make
+from tp_jax.blind.score import pool as pool
 from tp_jax.blind.score import score as score

@@ -11,6 +11,7 @@ import numpy as np
 from tp_jax.blind.judge import judge, said
 from tp_jax.blind.measures import mean, share
 from tp_jax.blind.seal import open_key, read_diagnosis
+from tp_jax.errors import InputError
 
 SCHEMA = "tp-jax/blind/1"
 BANDS = ((0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 5.0), (5.0, 10.0), (10.0, np.inf))
@@ -30,6 +31,7 @@ def score(
     directory: str | os.PathLike[str],
     *,
     shrinks: Shrinks | None = None,
+    first: int | None = None,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Opens the key and scores all diagnoses.
@@ -40,6 +42,7 @@ def score(
             and the most that could be; `sealed_runs.measured` computes both. If None, the
             diagnosis' own shrink on the recording it held out itself stands for the one, and 1
             for the other.
+        first: cases that count, in order, where not all could be diagnosed; see `seal.open_key`.
         progress: called with a stage's name and the part of it that is done.
 
     Returns:
@@ -51,7 +54,8 @@ def score(
         InputError: a diagnosis is missing or is none, or the key is not the one committed to.
     """
     root = Path(directory)
-    entries = open_key(root)["cases"]
+    key = open_key(root, first)
+    entries = key["cases"]
     rows = []
     for i, entry in enumerate(entries):
         if progress is not None:
@@ -61,8 +65,36 @@ def score(
         if entry["kind"] in ("one", "two"):
             row["shrink"] = dict((shrinks or own_held_out)(root, entry, diagnosis))
         rows.append(row)
-    scored = {"schema": SCHEMA, "cases": len(rows), **summary(rows)}
-    scored["shrink_error"]["on"] = "the run it held out" if shrinks is None else "sealed runs"
+    return _scored(
+        rows, [key["sha256"]], "the run it held out" if shrinks is None else "sealed runs"
+    )
+
+
+def pool(scores: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """One score of several trials.
+
+    Args:
+        scores: of trials of one and the same program.
+
+    Raises:
+        InputError: one of them is no score, one trial is in two of them, or their shrinks are
+            not of the same kind.
+    """
+    for one in scores:
+        if one.get("schema") != SCHEMA or not one.get("keys"):
+            raise InputError("What is to be pooled must be scores of blind trials (score.json).")
+    keys = [key for one in scores for key in one["keys"]]
+    if len(set(keys)) < len(keys):
+        raise InputError("A trial counts once, but one of those to be pooled is there twice.")
+    kinds = {one["shrink_error"]["on"] for one in scores}
+    if len(kinds) > 1:
+        raise InputError("Shrinks on sealed runs and on held-out ones cannot be pooled.")
+    return _scored([row for one in scores for row in one["rows"]], keys, kinds.pop())
+
+
+def _scored(rows: Sequence[Mapping[str, Any]], keys: list[str], on: str) -> dict[str, Any]:
+    scored = {"schema": SCHEMA, "keys": keys, "cases": len(rows), **summary(rows)}
+    scored["shrink_error"]["on"] = on
     return scored
 
 

@@ -44,23 +44,31 @@ def diagnosis_file(root: Path, case: str) -> Path:
     return root / f"{case}-diagnosis" / "diagnosis.json"
 
 
-def undiagnosed(root: Path) -> list[str]:
-    """Cases without a diagnosis."""
-    return [name for name in case_names(root) if not diagnosis_file(root, name).is_file()]
+def undiagnosed(root: Path, first: int | None = None) -> list[str]:
+    """Cases without a diagnosis, of all or of the first so many."""
+    return [name for name in case_names(root)[:first] if not diagnosis_file(root, name).is_file()]
 
 
-def open_key(root: Path) -> dict[str, Any]:
+def open_key(root: Path, first: int | None = None) -> dict[str, Any]:
     """What was hidden.
+
+    Args:
+        root: the trial's folder.
+        first: cases that count, in order; the others are given up, for nobody can diagnose them
+            blind once the key has been opened. None: all.
+
+    Returns:
+        The key, with "cases" as far as they count, and its "sha256".
 
     Raises:
         InputError: a diagnosis is missing, or the key is not the one that was committed to.
     """
     names = case_names(root)
-    missing = undiagnosed(root)
+    missing = undiagnosed(root, first)
     if missing:
         raise InputError(
             f"The key stays sealed until every case has its diagnosis, but {len(missing)} of "
-            f"{len(names)} have none, the first {missing[0]}; write "
+            f"{len(names[:first])} have none, the first {missing[0]}; write "
             f"{diagnosis_file(root, missing[0])} with `tp-jax diagnose`."
         )
     try:
@@ -76,7 +84,7 @@ def open_key(root: Path) -> dict[str, Any]:
     key = json.loads(text)
     if [entry["case"] for entry in key["cases"]] != names:
         raise InputError(f"The cases in {root} are not those of its key; put them back.")
-    return key
+    return {**key, "cases": key["cases"][:first], "sha256": committed}
 
 
 def read_diagnosis(root: Path, entry: Mapping[str, Any]) -> dict[str, Any]:

@@ -43,6 +43,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--quick", action="store_true",
         help="take the shrink from each diagnosis instead of from runs that were never given",
     )  # fmt: skip
+    score.add_argument(
+        "--first", metavar="N", type=count,
+        help="score the first N cases and give up the others, which are not diagnosed",
+    )  # fmt: skip
     add_json(score)
     add_common(score)
     score.set_defaults(run=run_score)
@@ -71,11 +75,14 @@ def run_score(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     ready(args.json)
-    open_key(Path(args.directory))  # what is wrong is told before anything heavy is loaded
+    open_key(
+        Path(args.directory), args.first
+    )  # what is wrong is told before anything heavy is loaded
     with shown(quiet=args.quiet) as progress:
         scored = score(
-            args.directory, shrinks=None if args.quick else measured_shrinks(), progress=progress
-        )
+            args.directory, shrinks=None if args.quick else measured_shrinks(), first=args.first,
+            progress=progress,
+        )  # fmt: skip
     if args.json is not None:
         write_json(args.json, scored)
     if args.json != "-" and not args.quiet:
