@@ -30,11 +30,18 @@ def test_a_creeping_body_does_not_reverse_by_what_a_step_left():
 
 
 def test_a_body_that_comes_to_rest_is_followed():
-    y, f = state(v2=1e-3, a2=-400.0)
+    y, f = state(v2=3e-4, a2=-400.0)
     known = layers(f, jumps(0.0, 8000.0), NATURAL, C)
     assert known.harmless[1] == 0.0
     bound = float(reversal_rate(y, f, EPS, C)[0])
     assert float(reversal_rate(y, f, EPS, C, known)[0]) == bound > 1e5
+
+
+def test_a_body_far_from_its_layer_comes_close_to_it_in_one_step():
+    y, f = state(v2=1.0, a2=-400.0)
+    known = layers(f, jumps(0.0, 8000.0), NATURAL, C)
+    left = 1.0 - 400.0 / float(reversal_rate(y, f, EPS, C, known)[0])
+    assert left == pytest.approx(1.0 - C.leap + C.near / 5e4)
 
 
 def test_a_body_turned_by_a_stiff_spring_may_jump_over_its_layer():

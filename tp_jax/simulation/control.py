@@ -41,6 +41,8 @@ class Control(NamedTuple):
     friction: Array | float = 0.2
     approach: Array | float = 0.5
     layer: Array | float = 0.5
+    leap: Array | float = 0.75
+    near: Array | float = 5.0
     creep: Array | float = 0.5
     crossing: Array | float = 0.65
     growth: Array | float = 3.0
@@ -97,7 +99,9 @@ def reversal_rate(
         if known is not None:
             slope = known.jumps[i] * e / (jnp.pi * (1.0 + (e * v) ** 2))
             slowing = slowing & (jnp.abs(a) > c.creep * slope * jnp.abs(v))
-            bound = jnp.minimum(bound, 1.0 / known.harmless[i])
+            # far from its layer a body may come close to it in one step
+            leap = jnp.maximum(c.leap * jnp.abs(v) - c.near / e, 1e-300)
+            bound = jnp.minimum(jnp.minimum(bound, jnp.abs(a) / leap), 1.0 / known.harmless[i])
         rate = jnp.maximum(rate, jnp.where(slowing, bound, 0.0))
     return rate
 
