@@ -76,6 +76,22 @@ def test_an_effect_that_shows_in_few_blocks_is_found():
     assert int(np.argmin(found.by_variant)) == 3
 
 
+def test_an_effect_that_tells_little_hides_no_other():
+    """A billionth of the others' information, and in few blocks: rounding is not its score."""
+    rng = np.random.default_rng(3)
+    seen = null(rng, heavy=False)
+    V, blocks = seen.information_by_block, np.concatenate([s.blocks for s in seen.scored], axis=1)
+    sizes = [s.blocks.shape[1] for s in seen.scored]
+    unit = np.ones((len(V), sum(sizes)))
+    unit[:, seen.scored[1].rows] = 1e-9
+    unit[4:, seen.scored[1].rows] = 0.0
+    V = V * unit[:, :, None] * unit[:, None, :]
+    first = seen.scored[0].rows
+    blocks = blocks * unit
+    blocks[:, first] += V[:, first, first][:, :, 0]  # it is there
+    assert structure_test(as_screen(blocks, V, sizes), 0).p < 0.001
+
+
 def test_same_seed_same_p():
     seen = null(np.random.default_rng(2))
     assert structure_test(seen, seed=4).p == structure_test(seen, seed=4).p

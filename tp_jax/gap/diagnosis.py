@@ -111,7 +111,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     total = shrink(setting, before, after, seed, least)
     first = choice.rounds[0]
     excess = _excess(baseline, least)
-    word = verdict(first.structure.p, excess, len(final.ids), total)
+    word = verdict(first.structure.p, choice.structure.p, excess, len(final.ids), total)
     no_gap = word == "no_gap"
     probabilities = cause_probabilities(choice, baseline.dof)
     # refits are compared with where they began, which has the smoothing that they have

@@ -54,8 +54,7 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
     observed = _statistics(blocks[None], seen, forms)[:, 0]
-    value, vector = np.linalg.eigh(V)
-    root = vector * np.sqrt(np.maximum(value, 0.0))[:, None, :]
+    root = _roots(V)
     rng = np.random.default_rng(seed)
     largest = np.concatenate([
         _statistics(
@@ -67,6 +66,18 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     ])  # fmt: skip
     p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
     return Structure(float(p.min()), p, largest.size)
+
+
+def _roots(V: np.ndarray) -> np.ndarray:
+    """Matrices whose squares are the blocks' covariances (B, E, E).
+
+    Of correlations, scaled back: where one effect tells a billion times as much as another, in
+    whatever unit, rounding would else give the other scores that it never has.
+    """
+    scale = np.sqrt(np.maximum(np.einsum("bii->bi", V), 0.0))
+    unit = np.where(scale > 0.0, scale, 1.0)
+    value, vector = np.linalg.eigh(V / (unit[:, :, None] * unit[:, None, :]))
+    return scale[:, :, None] * vector * np.sqrt(np.maximum(value, 0.0))[:, None, :]
 
 
 class _Form:
