@@ -393,6 +393,8 @@ def _notes(setting: Setting, choice: Choice, final: Refit, word: str, least: Flo
             "The fitted recordings show no structure beside what is named, but the held-out ones "
             f"do not show for certain that {EXPLAINED:.0%} of the gap is gone, as `explained` asks."
         )
+    elif word == "unknown" and final.ids:
+        notes.append("What is named holds part of the gap; what stays is structured still.")
     elif word == "unknown":
-        notes.append("No effect of the catalogue explains the gap; what is named holds part of it.")
+        notes.append("No effect of the catalogue explains the gap.")
     return notes
