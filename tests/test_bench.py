@@ -24,7 +24,9 @@ def result(tmp_path_factory):
         patch.setenv("TP_JAX_CACHE", "off")
         from scripts._bench.__main__ import main
 
-        measures = "precision,single,sweep,sensitivities,stuck,robustness,identification,simplices"
+        measures = (
+            "precision,single,sweep,sensitivities,stuck,robustness,control,identification,simplices"
+        )
         out = folder / "out"
         code = main(["--quick", "--peers", ALWAYS, "--only", measures, "--out", str(out)])
     assert code == 0

@@ -26,8 +26,8 @@ from tp_jax.cli.output import made_folder, write_json
 SCHEMA = "tp-jax/bench/1"
 NUMBERS = "bench.json"
 MEASURES = (
-    "precision", "single", "sweep", "sensitivities", "stuck", "robustness", "scaling", "shell",
-    "identification", "simplices",
+    "precision", "single", "sweep", "sensitivities", "stuck", "robustness", "control", "scaling",
+    "shell", "identification", "simplices",
 )  # fmt: skip
 
 

@@ -3,10 +3,10 @@
 import pytest
 
 from tp_jax.gap.held_out import Shrink
-from tp_jax.gap.verdict import verdict
+from tp_jax.gap.verdict import both, verdict
 
 GONE, MOSTLY, PARTLY, NONE = (
-    Shrink(0.999, (0.995, 1.0), True), Shrink(0.95, (0.92, 0.97), True),
+    Shrink(0.9999, (0.9995, 1.0), True), Shrink(0.95, (0.92, 0.97), True),
     Shrink(0.9, (0.8, 0.95), True), Shrink(None, None, False),
 )  # fmt: skip
 
@@ -27,3 +27,10 @@ GONE, MOSTLY, PARTLY, NONE = (
 )  # fmt: skip
 def test_word(p, p_after, excess, causes, shrink, word):
     assert verdict(p, p_after, excess, causes, shrink) == word
+
+
+def test_either_test_of_structure_is_enough():
+    assert both(0.3, 0.4) == pytest.approx(0.6)
+    assert both(0.001, 1.0) == pytest.approx(0.002)
+    assert both(1.0, 0.001) == pytest.approx(0.002)
+    assert both(1.0, 0.7) == 1.0

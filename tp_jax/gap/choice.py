@@ -16,7 +16,9 @@ from tp_jax.gap.structure import Structure, structure_test
 
 log = logging.getLogger(__name__)
 
-LEVEL = 0.05  # family-wise level of the test of structure
+LEVEL = 0.05  # family-wise level of the tests of structure
+IN_CATALOGUE = 0.5  # of it, for structure like the catalogue's; the rest for any (`free_structure`)
+SEEN = IN_CATALOGUE * LEVEL
 REFITTED = (6, 4, 4)  # candidates refitted in each round
 ALWAYS, SETTLED = 3, 0.05  # once so many are refitted and so little of the gap is left, stop
 BY_CHANCE = 2.0  # standard deviations of a sum of squares of noise alone
@@ -88,7 +90,7 @@ def choose(
         before, rest = current.fit, dict(skip=current.ids, states=not current.ids)
         seen = screen(before, setting, **rest)
         structure = structure_test(seen, seed)
-        if structure.p < LEVEL and _may_be_smoothing(before, sharp.fit):
+        if structure.p < SEEN and _may_be_smoothing(before, sharp.fit):
             before = sharp.fit
             seen = screen(before, setting, **rest)
             structure = structure_test(seen, seed)
@@ -96,11 +98,11 @@ def choose(
         promised = max((s.drop for s in seen.scored), default=0.0)
         settled = bool(current.ids) and promised <= LEAST_PART * noise_only
         last = settled or n == len(REFITTED)
-        if current.ids and structure.p < LEVEL and not last:
+        if current.ids and structure.p < SEEN and not last:
             seen = screen(before, setting, skip=current.ids)
             structure = structure_test(seen, seed)
         log.info("round %d: structure p %.4g", n + 1, structure.p)
-        if structure.p >= LEVEL or last:
+        if structure.p >= SEEN or last:
             rounds.append(Round(before, current.fit, seen, structure, {}, {}, None))
             break
         block = blocks_of(current.fit, setting)
@@ -199,7 +201,7 @@ def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> li
     """
     ranked = seen.best()
     if any(r.calibration_error for r in setting.recordings):
-        sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < LEVEL}
+        sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < SEEN}
         ranked = [
             s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")
         ]

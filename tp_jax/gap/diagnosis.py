@@ -16,15 +16,24 @@ from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.calibration import Floor, floor
-from tp_jax.gap.choice import LEVEL, Choice, cause_probabilities, choose, tied_by_gain
+from tp_jax.gap.choice import (
+    IN_CATALOGUE,
+    LEVEL,
+    SEEN,
+    Choice,
+    cause_probabilities,
+    choose,
+    tied_by_gain,
+)
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_runs, start_state
+from tp_jax.gap.free_structure import FreeStructure, free_structure
 from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.screen import Scored
 from tp_jax.gap.series import curves, recordings, residuals
-from tp_jax.gap.verdict import EXPLAINED, verdict
+from tp_jax.gap.verdict import EXPLAINED, both, verdict
 from tp_jax.recordings import Campaign, hold_out
 
 SCHEMA = "tp-jax/diagnosis/1"
@@ -111,7 +120,11 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     total = shrink(setting, before, after, seed, least)
     first = choice.rounds[0]
     excess = _excess(baseline, least)
-    word = verdict(first.structure.p, choice.structure.p, excess, len(final.ids), total)
+    anything = {"before": free_structure(setting, baseline)}
+    anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
+    structure_p = both(first.structure.p, anything["before"].p)
+    structure_p_after = both(choice.structure.p, anything["after"].p)
+    word = verdict(structure_p, structure_p_after, excess, len(final.ids), total)
     no_gap = word == "no_gap"
     probabilities = cause_probabilities(choice, baseline.dof)
     # refits are compared with where they began, which has the smoothing that they have
@@ -143,8 +156,13 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
             "held_out": [setting.recordings[i].name for i in setting.held_out],
             "horizon_s": horizon,
             "removable_significant": total.significant,
-            "structure_p": first.structure.p,
-            "structure_p_after": choice.structure.p if ids else None,
+            "structure_p": structure_p,
+            "structure_p_after": structure_p_after if ids else None,
+            "free_structure": {
+                when: dataclasses.asdict(found)
+                for when, found in anything.items()
+                if ids or when == "before"
+            },
             "excess_z": excess,
             "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
         },
@@ -165,7 +183,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "recordings": recordings(setting, start_before, start_after, bool(ids)),
         "curves": curves(setting, free_before, free_after if ids else None),
         "residuals": residuals(setting, before, after if ids else None, least),
-        "notes": _notes(setting, choice, final, word, least),
+        "notes": _notes(setting, choice, final, word, structure_p_after, anything["after"], least),
     }
 
 
@@ -263,7 +281,7 @@ def _amplitude_intervals(setting: Setting, final: Refit) -> dict[str, dict]:
 def _candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrink]) -> list[dict]:
     first = choice.rounds[0]
     gap = max(removable(first.before), 1e-12)
-    significant = first.structure.p < 0.05
+    significant = first.structure.p < SEEN
     rows = []
     for s in first.screen.best():
         realised = shrinks.get(s.id)
@@ -364,7 +382,15 @@ def _by_recording(scored: Scored) -> bool:
     return any(u.recording is not None for u in scored.variant.unknowns)
 
 
-def _notes(setting: Setting, choice: Choice, final: Refit, word: str, least: Floor) -> list[str]:
+def _notes(
+    setting: Setting,
+    choice: Choice,
+    final: Refit,
+    word: str,
+    structure_p_after: float,
+    anything: FreeStructure,
+    least: Floor,
+) -> list[str]:
     notes = []
     if setting.campaign.B1 is None:
         notes.append(
@@ -388,13 +414,26 @@ def _notes(setting: Setting, choice: Choice, final: Refit, word: str, least: Flo
     bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
     if bound:
         notes.append(f"At a bound: {', '.join(bound)}.")
-    if word == "unknown" and final.ids and choice.structure.p >= LEVEL:
+    if word == "unknown" and final.ids and structure_p_after >= LEVEL:
         notes.append(
             "The fitted recordings show no structure beside what is named, but the held-out ones "
             f"do not show for certain that {EXPLAINED:.0%} of the gap is gone, as `explained` asks."
         )
     elif word == "unknown" and final.ids:
         notes.append("What is named holds part of the gap; what stays is structured still.")
+        notes += _likeness(anything)
     elif word == "unknown":
         notes.append("No effect of the catalogue explains the gap.")
+        notes += _likeness(anything)
     return notes
+
+
+def _likeness(anything: FreeStructure) -> list[str]:
+    """What the readings look like that no cause explains, where that can be said."""
+    if anything.p >= (1.0 - IN_CATALOGUE) * LEVEL:
+        return []
+    where, *kind = anything.source.split()
+    of = "times" if where == "clock" else f"the readings of {where}"
+    how = {"wandering": "wandered", "jumping": "jumped", "stuttering": "stuttered"}
+    verb = how.get(kind[0], kind[0]) if kind else "were slowly off"
+    return [f"What stays looks most as if {of} {verb}; a torque can look so too."]

@@ -92,17 +92,23 @@ def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
         lin = problem.linearise(values.replace(rate), fit.states, slots)
         parts.append(lin.slots_jac)
         source += [e.location for e in effects for _ in range(2 if j else 1)]
-    readings, own, weight = _errors_of_readings(setting, fit)
-    jac = np.concatenate([*parts, readings], axis=2)
-    rows = fit.linearisation.valid.copy()
-    rows[:, -4:] = True  # the prior
-    jac[~rows] = 0.0
+    readings = errors_of_readings(setting, fit)
     return FreeColumns(
-        jac, np.array([*source, *own]), np.concatenate([np.ones(len(source)), weight])
+        np.concatenate([_where_read(fit, np.concatenate(parts, axis=2)), readings.jac], axis=2),
+        np.concatenate([source, readings.source]),
+        np.concatenate([np.ones(len(source)), readings.weight]),
     )
 
 
-def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[str], np.ndarray]:
+def _where_read(fit: Fit, jac: np.ndarray) -> np.ndarray:
+    """Columns, with rows of samples that are not there set to zero in place."""
+    rows = fit.linearisation.valid.copy()
+    rows[:, -4:] = True  # the prior
+    jac[~rows] = 0.0
+    return jac
+
+
+def errors_of_readings(setting: Setting, fit: Fit) -> FreeColumns:
     """The same of sensors, and of times: a delay between the two (constant and growing), jitter."""
     problem, lin = fit.problem, fit.linearisation
     w, n = problem.windows, lin.n_samples
@@ -156,4 +162,6 @@ def _errors_of_readings(setting: Setting, fit: Fit) -> tuple[np.ndarray, list[st
             start = -velocity[:, 0, 1] * delay[:, 0]
             rate = -acceleration * delay[:, 0] - velocity[:, 0, 1] * growth
             add("clock", {1: -velocity[:, :, 1] * delay}, {1: start, 3: rate})
-    return np.stack(columns, axis=2), source, np.array(weights)
+    return FreeColumns(
+        _where_read(fit, np.stack(columns, axis=2)), np.array(source), np.array(weights)
+    )

@@ -1,10 +1,10 @@
 """The verdict, from what was measured on data that no choice has touched."""
 
-from tp_jax.gap.choice import LEVEL
+from tp_jax.gap.choice import IN_CATALOGUE, LEVEL
 from tp_jax.gap.held_out import Shrink
 
 EXPLAINED = 0.85  # lower end of the interval of shrink
-NEGLIGIBLE = 0.99  # lower end from which what stays is too little to ask where it comes from
+NEGLIGIBLE = 0.999  # lower end from which what stays is too little to ask where it comes from
 EXCESS = 3.0  # standard errors of the misfit
 
 
@@ -14,7 +14,7 @@ def verdict(
     """no_gap, explained or unknown.
 
     Args:
-        structure_p: family-wise p of the test of structure at the baseline.
+        structure_p: family-wise p of the tests of structure at the baseline (`both`).
         structure_p_after: the same where the causes are added.
         excess_z: standard errors by which the baseline's misfit exceeds the noise.
         causes: number of accepted causes.
@@ -30,3 +30,8 @@ def verdict(
     if structure_p_after < LEVEL and shrink.ci95[0] < NEGLIGIBLE:
         return "unknown"
     return "explained"
+
+
+def both(catalogue_p: float, free_p: float) -> float:
+    """Family-wise p of the two tests of structure: in the catalogue's directions, and in any."""
+    return min(catalogue_p / IN_CATALOGUE, free_p / (1.0 - IN_CATALOGUE), 1.0)

@@ -45,6 +45,7 @@ def sweep(
     velocities: bool = True,
     max_steps: int = 1_000_000,
     threads: int | None = None,
+    control: Control | None = None,
 ) -> Sweep:
     """Motions of many pendulums that differ in their numbers, on all cores or on the GPU.
 
@@ -61,6 +62,7 @@ def sweep(
         velocities: whether to return them; a sweep without takes an eighth less.
         max_steps: a run that needs more attempts is given up.
         threads: of a CPU; as many as there are cores if None.
+        control: what else bounds a step (`tolerance` takes its `angle`'s place).
 
     Returns:
         A `Sweep`.
@@ -80,7 +82,7 @@ def sweep(
     p, states = gathered(parts, y0)
     many = states.shape[1]
     width, compiled = lanes(WIDTH, many), _compiled()
-    control = Control(angle=jnp.asarray(tolerance))
+    control = (control or Control())._replace(angle=jnp.asarray(tolerance))
     y = np.empty((many, ts.size, 4 if velocities else 2))
     steps, complete = np.empty(many, int), np.empty(many, bool)
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from . import (
+    control,
     identification,
     precision,
     robustness,
@@ -24,6 +25,7 @@ MEASURES: dict[str, Callable] = {
         sensitivities,
         stuck,
         robustness,
+        control,
         scaling,
         shell,
         identification,

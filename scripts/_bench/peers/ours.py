@@ -12,6 +12,7 @@ import numpy as np
 
 import tp_jax as tp
 from tp_jax.model.presets import double_pendulum
+from tp_jax.simulation.control import Control
 
 from ..peer import Peer, cores
 from ..problem import NAMES
@@ -47,9 +48,13 @@ def sweep(table, eps, ts, tol):
     return np.stack([done.phi1, done.phi2], axis=-1)
 
 
-def motions(table, eps, ts, tol):
-    """The same as a user gets it, `tp_jax.Sweep`."""
-    return tp.sweep(_models(np.asarray(table), eps), ts, tolerance=tol, velocities=False)
+def motions(table, eps, ts, tol, changes=None):
+    """The same as a user gets it, `tp_jax.Sweep`; `changes` of `Control` compile nothing anew."""
+    control = None if changes is None else Control(*map(jnp.asarray, Control(**changes)))
+    return tp.sweep(
+        _models(np.asarray(table), eps), ts, tolerance=tol, velocities=False,
+        control=control,
+    )  # fmt: skip
 
 
 def sensitivities(parameters, eps, ts, tol):

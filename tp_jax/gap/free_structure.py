@@ -1,0 +1,123 @@
+"""Is anything left that no effect of the catalogue need be like? A test without a candidate.
+
+`structure` asks in the directions of the catalogue's effects. Here the residuals of every window
+are held against what may go wrong with its readings (`free_torques`: errors of a sensor that are
+slow, wander, jump or stutter, and times that are off), whose coefficients are random and belong to
+the window. The score of a source's variance at zero is a sum of squares of the coefficients'
+gradients,
+
+    T = sum over windows of g_w' (I + tau C_w)^-1 g_w,   C_w = Var g_w with nothing but noise,
+
+once with tau = 0, which finds a little of the source best, and once with more of it. Torques need
+no columns of their own: what they do in half a second is slow in the readings too. What windows and
+parameters absorb is projected out; T is compared with the residuals' own mean square, so that a
+noise of another size is nothing. Its null distribution, a weighted sum of chi squares, is
+Satterthwaite's.
+
+Of a channel whose steps hide its noise nothing is asked: rounding then goes with the motion.
+
+Source: Zhang, Lin (2003), Biostatistics 4, 57-74, for the test of a variance at zero.
+"""
+
+import dataclasses
+
+import numpy as np
+from scipy import stats
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.problem import spread
+from tp_jax.gap import calibration
+from tp_jax.gap.free_torques import errors_of_readings
+from tp_jax.recordings.noise import quantum
+
+SIZES = (0.0, 10.0)  # tau
+LEAST = 1e-12  # p: of the tail beyond, the approximation knows nothing
+COARSE = 2.0  # steps of a channel, in standard deviations of its noise, that hide it
+
+
+@dataclasses.dataclass(frozen=True)
+class FreeStructure:
+    """p: family-wise, over all sources; source: the one that stands out most, "" if none was asked;
+    ratio: its T over what noise alone would give.
+    """
+
+    p: float
+    source: str
+    ratio: float
+
+
+def free_structure(setting: Setting, fit: Fit) -> FreeStructure:
+    """Test that a fit leaves nothing but noise.
+
+    Args:
+        setting: the campaign.
+        fit: at its optimum.
+    """
+    lin, n_windows = fit.linearisation, fit.problem.windows.n
+    readings = errors_of_readings(setting, fit)
+    channels = [_channels(n) for n in readings.source]
+    asked = np.array([not (c & _coarse(setting)) for c in channels], dtype=bool)
+    if not asked.any():
+        return FreeStructure(1.0, "", 1.0)
+    jac = readings.jac[:, :, asked]
+    source, weight = readings.source[asked], readings.weight[asked]
+    base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
+    base_jac = spread(lin, base)
+    shapes = calibration.columns(setting, fit)
+    left = eliminate(lin.r, lin.states_jac, np.concatenate([jac, base_jac, shapes], axis=2))
+    q = source.size
+    H, g = left.H[:, :q, :q], left.g[:, :q]
+    shared = left.H[:, q:, q:].sum(axis=0)
+    shared[np.arange(len(base), len(shared)), np.arange(len(base), len(shared))] += 1.0  # prior
+    size = np.sqrt(np.maximum(np.diag(shared), 1e-300))
+    inverse = np.linalg.pinv(shared / np.outer(size, size), rcond=1e-12, hermitian=True)
+    across = left.H[:, :q, q:] / size
+    covariance = H - across @ inverse @ across.transpose(0, 2, 1)
+    unit = weight / np.sqrt(np.maximum(np.einsum("wii->i", H) / n_windows, 1e-300))
+    noise = _mean_squares(fit, lin.r + np.einsum("wmx,wx->wm", lin.states_jac, left.state_step))
+    best = FreeStructure(1.0, "", 1.0)
+    tests = 0
+    for name in dict.fromkeys(source.tolist()):
+        mine = np.flatnonzero(source == name)
+        scaled = unit[mine]
+        value, vector = np.linalg.eigh(covariance[:, mine][:, :, mine] * np.outer(scaled, scaled))
+        value = np.maximum(value, 0.0)
+        z = np.einsum("wji,wj->wi", vector, g[:, mine] * scaled)
+        phi = noise[sorted(_channels(name))].mean()
+        for tau in SIZES:
+            weights = value / (1.0 + tau * value)
+            mean, square = weights.sum(), (weights**2).sum()
+            tests += 1
+            if not (mean > 0.0 and phi > 0.0):
+                continue
+            ratio = float((z**2 / (1.0 + tau * value)).sum() / (mean * phi))
+            p = float(stats.f.sf(ratio, mean**2 / square, max(fit.dof, 1)))
+            if p < best.p or not best.source:
+                best = FreeStructure(p, name, ratio)
+    return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))
+
+
+def _channels(source: str) -> set[int]:
+    """The sensors whose readings a source changes."""
+    return {"sensor1": {0}, "sensor2": {1}}.get(source.split()[0], {0, 1})
+
+
+def _coarse(setting: Setting) -> set[int]:
+    """Channels whose steps hide their noise."""
+    return {
+        c
+        for c, name in enumerate(("phi1", "phi2"))
+        for r in (setting.recordings[i] for i in setting.fitted)
+        if name in r.channels and quantum(r.channels[name]) > COARSE * setting.noise[name]
+    }
+
+
+def _mean_squares(fit: Fit, r: np.ndarray) -> np.ndarray:
+    """(2,) of the residuals (w, m) of each channel per degree of freedom, 0 for one not there."""
+    valid = fit.linearisation.valid[:, :-4].reshape(len(r), -1, 2)
+    squares = ((r[:, :-4].reshape(valid.shape) ** 2) * valid).sum(axis=(0, 1))
+    samples = valid.sum(axis=(0, 1))
+    left = samples * fit.dof / max(samples.sum(), 1)
+    return np.where(left > 0.0, squares / np.maximum(left, 1e-300), 0.0)
