@@ -16,6 +16,7 @@ from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
+from tp_jax.estimation.sharpen import FINELY
 from tp_jax.estimation.variable_projection import fit as fit_projected
 from tp_jax.estimation.window_states import in_turn, of_windows, settle
 from tp_jax.model.parameters import PAPER_EPS
@@ -66,6 +67,8 @@ def _with_sharpest(setting: Setting, *below: Rung) -> tuple[Rung, ...]:
 def problem_of(setting: Setting, rung: Rung) -> Problem:
     """The windows of a rung."""
     problem = setting.problem(rung.horizon)
+    if rung.eps > setting.eps:
+        problem = problem.at(FINELY)
     n = problem.windows.n
     if not rung.few or n <= FEW:
         return problem

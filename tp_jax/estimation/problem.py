@@ -84,6 +84,15 @@ class Problem:
         if self.programs is None:
             object.__setattr__(self, "programs", Programs(self.layout))
 
+    def at(self, tolerances: Tolerances) -> "Problem":
+        """The same windows integrated with other tolerances, by the same programs."""
+        if tolerances == self.tolerances:
+            return self
+        other = dataclasses.replace(self, tolerances=tolerances)
+        if "_cached_blocks" in self.__dict__:
+            object.__setattr__(other, "_cached_blocks", self.blocks())
+        return other
+
     @property
     def measured(self) -> bool:
         """Whether a drive was measured: the blocks then carry its pieces."""

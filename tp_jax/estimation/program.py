@@ -170,14 +170,14 @@ def linearise(
 
     Args:
         layout: structure of the model; static.
-        tolerances: of the integration; static.
+        tolerances: of the integration; data, so that finer ones compile nothing.
         ids: effects of the motion that it carries, from `Programs`; static.
         p: all slots for every lane.
         x0: states at the windows' starts.
         block: the data.
         directions: slots to differentiate by.
     """
-    run, own = _integrate(layout, tolerances, ids, p, x0, block, directions)
+    run, own = _integrate(layout, ids, np.array(tolerances, float), p, x0, block, directions)
     return _observe(layout, p, block, directions, run)._replace(own=own)
 
 
@@ -191,18 +191,19 @@ def _described(layout: Layout, *rest: Any) -> str | None:
     return repr((layout.described, *(sorted(x) if isinstance(x, frozenset) else x for x in rest)))
 
 
-@functools.partial(Stored, static=3, describe=_described)
-def _integrate(layout, tolerances, ids, p, x0, block, directions):
+@functools.partial(Stored, static=2, describe=_described)
+def _integrate(layout, ids, tolerances, p, x0, block, directions):
     """States and tangents of a block's windows, and the effects' own states (L, n, k)."""
-    kind = (tolerances, block.pieces is None)
-    TRACES.append((layout, ids, p.shape, block.ts.shape, directions.shape, kind))
+    measured = block.pieces is not None
+    TRACES.append((layout, ids, p.shape, block.ts.shape, directions.shape, measured))
 
     def field(t, y, q, piece, left):
         return layout.model(q, piece, left, ids).derivative(t, y)
 
     eps = (layout.index["eps1"], layout.index["eps2"])
     lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
-    run = integrate(field, tuple(p), lanes, eps, directions, layout.estimable, tolerances)
+    steps = Tolerances(*tolerances)
+    run = integrate(field, tuple(p), lanes, eps, directions, layout.estimable, steps)
     # What follows knows angles and velocities only, and is compiled once for all.
     own = slice(4, x0.shape[1])
     s = jnp.delete(run.s, own, axis=3, assume_unique_indices=True)

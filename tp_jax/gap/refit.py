@@ -265,7 +265,7 @@ def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
     step = float(np.median(np.diff(setting.prepared[setting.fitted[0]].t)))
     if horizon / step > MOST_SAMPLES:
         return result
-    problem = setting.problem(horizon)
+    problem = setting.problem(horizon).at(result.fit.problem.tolerances)
     states = handed_on(result.fit, problem)
     _, bounds = _with_shapes(setting, result)
     longer = fit(

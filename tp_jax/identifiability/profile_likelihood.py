@@ -20,11 +20,12 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
+from tp_jax.estimation import variable_projection
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.least_squares import Anchor, Fit, parameter
-from tp_jax.identifiability.copies import Fitted, Start, fit_copies
+from tp_jax.identifiability.copies import TOLERANCE, Fitted, Start, fit_copies
 from tp_jax.identifiability.information import inverse
 from tp_jax.model.parameters import Parameter
 
@@ -37,6 +38,10 @@ root is nearly straight in the parameter."""
 
 BETTER = 0.5
 """A profile's fit that is better than the best by more than this shows that it was none."""
+
+DOUBTFUL = (1.5, 0.5)
+"""A fit along a profile is doubted where it rises by more than so many times what a parabola would
+and by more than so much beside: with sharp friction it may have ended in a kink."""
 
 FARTHEST = 3.0
 """A next value lies at most this many times as far from the best as the last."""
@@ -252,7 +257,32 @@ class _Search:
             starts.append(
                 Start(near.values.put([self.unknowns[end.index]], [value]), near.states, free)
             )
-        return self._fit(starts)
+        found = self._fit(starts)
+        doubted = [k for k, end in enumerate(ends) if self._doubted(end, found[k])]
+        for k, other in zip(doubted, self._settled([starts[k] for k in doubted]), strict=True):
+            if other.cost < found[k].cost:
+                found[k] = other
+        return found
+
+    def _settled(self, starts: Sequence[Start]) -> list[Fitted]:
+        """Fits one after the other, windows put right after every step: slower, past most kinks."""
+        ended = []
+        for start in starts:
+            unknowns = [u for u, f in zip(self.unknowns, start.free, strict=True) if f]
+            found = variable_projection.fit(
+                self.problem, start.values, unknowns, start.states, bounds=dict(self.bounds),
+                anchors=[a for a in self.anchors if a.unknown in unknowns],
+                tolerance=TOLERANCE, relative=0.0,
+            )  # fmt: skip
+            ended.append(Start(found.values, found.states, start.free))
+        return self._fit(ended) if ended else []
+
+    def _doubted(self, end: _End, found: Fitted) -> bool:
+        """Whether a fit is much worse than a parabola says."""
+        spread = np.sqrt(max(inverse(self.best.information)[end.index, end.index], 0.0))
+        away = (end.trial - self.coordinate(self.best, end.index)) / max(spread, 1e-300)
+        times, more = DOUBTFUL
+        return not found.cost - self.best.cost <= times * away**2 + more
 
     def judge(self, end: _End, found: Fitted, level: float) -> None:
         """Whether the end is found, or where to look next."""

@@ -30,8 +30,8 @@ Field = Callable[..., tuple]
 class Tolerances(NamedTuple):
     """Error of an angle in a step [rad], and of the friction within one (`Control.friction`)."""
 
-    angle: float = 1e-6
-    friction: float = 0.2
+    angle: Array | float = 1e-6
+    friction: Array | float = 0.2
 
 
 class Lanes(NamedTuple):
@@ -142,6 +142,8 @@ def integrate(
     # The smallest step between samples, since a window may be a single one.
     apart = jnp.diff(lanes.ts, axis=0)
     first = 1e-2 * jnp.min(jnp.where(apart > 0.0, apart, 1.0), axis=0)
+    # last digits are those of a lane's other windows, whose times they come from
+    first = first.astype(jnp.float32).astype(y0.dtype)
     # the tangents' shape, ones that the compiler does not know to be ones
     unit = 1.0 + 0.0 * jnp.broadcast_to(p[0], (nd, width))
 
