@@ -1,4 +1,4 @@
-"""Intervals of fitted numbers: covariance from the scatter of blocks, t quantiles."""
+"""Intervals of fitted numbers: from the noise, or from the scatter of blocks where that is more."""
 
 import numpy as np
 from scipy import stats
@@ -7,12 +7,17 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit, parameter
 
+NOISE = 1.1  # chi2/dof that noise may have, whose level is an estimate
+CHANCE = 0.01  # that blocks of noise scatter so much that it counts as more
 
-def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, int]:
-    """Sandwich covariance (u, u) of the unknowns, and the number of blocks.
 
-    Unknowns at a bound get none (zero rows). Never below the covariance that the noise alone
-    would give.
+def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance (u, u) of the unknowns, and the degrees of freedom of each variance (u,).
+
+    It is that which the noise gives (and all of a misfit beyond it), but for unknowns in whose
+    direction the blocks scatter more than chance would have it: those have the sandwich's variance,
+    known with the blocks' degrees of freedom. The larger of the two always would be too large, as
+    the sandwich's is an estimate from few blocks. Unknowns at a bound get none (zero rows).
     """
     free = ~fit.at_bound
     H = fit.information()[np.ix_(free, free)]
@@ -24,12 +29,19 @@ def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, int]:
     g = np.zeros((n, int(free.sum())))
     np.add.at(g, block, fit.eliminated.g[:, free])
     g = g - g.mean(axis=0)
-    robust = inverse @ (g.T @ g * n / max(n - 1, 1)) @ inverse
-    ratio = np.sqrt(np.maximum(np.diag(inverse) / np.maximum(np.diag(robust), 1e-300), 1.0))
-    robust = robust * np.outer(ratio, ratio)
-    out = np.zeros((free.size, free.size))
-    out[np.ix_(free, free)] = robust
-    return out, n
+    robust = np.diag(inverse @ (g.T @ g * n / max(n - 1, 1)) @ inverse)
+    by_block = np.zeros((n, len(inverse), len(inverse)))
+    np.add.at(by_block, block, fit.eliminated.H[:, free][:, :, free])
+    part = np.einsum("ui,bij,ju->bu", inverse, by_block, inverse)
+    telling = part.sum(axis=0) ** 2 / np.maximum((part**2).sum(axis=0), 1e-300)
+    misfit = fit.chi2_dof if fit.chi2_dof > NOISE else 1.0
+    excess = robust / np.maximum(misfit * np.diag(inverse), 1e-300)
+    beyond = excess > stats.chi2.isf(CHANCE, telling) / np.maximum(telling, 1e-300)
+    ratio = np.sqrt(misfit * np.where(beyond, np.maximum(excess, 1.0), 1.0))
+    out, dof = np.zeros((free.size, free.size)), np.full(free.size, np.inf)
+    out[np.ix_(free, free)] = inverse * np.outer(ratio, ratio)
+    dof[free] = np.where(beyond, max(n - len(fit.unknowns), 2), np.inf)
+    return out, dof
 
 
 def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
@@ -38,8 +50,7 @@ def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
     An unknown counts as identified where it is off its bounds and its standard error is below
     half of its value (or, for what may be zero, of its typical size).
     """
-    cov, n = covariance(fit, setting)
-    t = float(stats.t.isf(0.025, max(n - len(fit.unknowns), 2)))
+    cov, dof = covariance(fit, setting)
     anchored = {a.unknown: a for a in fit.anchors}
     out = {}
     for i, u in enumerate(fit.unknowns):
@@ -48,6 +59,7 @@ def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
         spec = parameter(fit.problem, u)
         value = fit.values.get(u.name)
         sd = float(np.sqrt(max(cov[i, i], 0.0)))
+        t = float(stats.t.isf(0.025, dof[i]))
         if fit.at_bound[i]:
             out[u.name] = {
                 "value": value, "unit": spec.unit, "ci95": [value, None], "identifiable": False,

@@ -153,7 +153,7 @@ def profiles(
 
 def levels_of(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
     """Critical drop of each unknown, and the inflation in it, (u,) each."""
-    robust, blocks = covariance(fit, setting)
+    robust, dof = covariance(fit, setting)
     free = ~fit.at_bound
     noise = np.zeros_like(robust)
     noise[np.ix_(free, free)] = inverse(fit.information()[np.ix_(free, free)])
@@ -161,8 +161,7 @@ def levels_of(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
     a, b = np.diag(robust), np.diag(noise)
     known = free & (b > 0.0)
     inflation[known] = np.maximum(a[known] / b[known], 1.0)
-    t = stats.t.isf(0.025, max(blocks - len(fit.unknowns), 2))
-    return t**2 * inflation, inflation
+    return stats.t.isf(0.025, dof) ** 2 * inflation, inflation
 
 
 def _x(found: Fitted, unknowns: Sequence[Unknown], i: int) -> float:
