@@ -25,6 +25,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.least_squares import Anchor, Fit, parameter
+from tp_jax.estimation.sharpen import FINELY
 from tp_jax.identifiability.copies import TOLERANCE, Fitted, Start, fit_copies
 from tp_jax.identifiability.information import inverse
 from tp_jax.model.parameters import Parameter
@@ -172,7 +173,9 @@ class _Search:
     """What all ends share: the problem, the best fit, how a profile's fits are begun."""
 
     def __init__(self, fit: Fit, setting: Setting, anchors: Sequence[Anchor]):
-        self.problem, self.unknowns, self.anchors = fit.problem, fit.unknowns, anchors
+        # an error of the integration that no search would mind is a good part of a drop
+        self.problem = fit.problem.at(FINELY)
+        self.unknowns, self.anchors = fit.unknowns, anchors
         self.bounds = setting.bounds
         self.specs: list[Parameter] = [parameter(fit.problem, u) for u in fit.unknowns]
         self.start_from(fit)
