@@ -260,18 +260,3 @@ def test_a_single_pendulum_leaves_out_the_contact():
     )  # fmt: skip
     with pytest.raises(ValueError, match=r"'B2'.* it has (?!.*contact)"):
         sensitivities(model, TS, by=["B2"])
-
-
-def test_cores_share_the_directions_of_a_run(monkeypatch):
-    by = BASE[:7]  # the last of three shares is filled up
-    monkeypatch.setattr(module, "WORTH", 2)
-    found = []
-    for n in (1, 3):
-        monkeypatch.setattr(module, "cores", lambda n=n: n)
-        found.append(derive(BENCH, by=by))
-    alone, shared = found
-    assert alone.names == shared.names
-    np.testing.assert_allclose(shared.motion.phi2, alone.motion.phi2, atol=1e-12)
-    for name in ("phi1", "phi2", "error"):
-        a, b = getattr(alone, name), getattr(shared, name)
-        np.testing.assert_allclose(b, a, rtol=1e-6, atol=1e-9 * np.abs(a).max())

@@ -58,7 +58,7 @@ def gathered(parts: Parts, y0: Array | None) -> Batch:
 
 def lanes(width: int, many: int) -> int:
     """Lanes side by side: so many on a CPU, elsewhere all, rounded up as `in_pieces` does."""
-    return width if on_cpu() else 1 << (many - 1).bit_length()
+    return width if jax.default_backend() == "cpu" else 1 << (many - 1).bit_length()
 
 
 def in_pieces(
@@ -79,10 +79,10 @@ def in_pieces(
         bytes_each: of a member's result.
         threads: of a CPU; as many as there are cores if None.
     """
-    cpu = on_cpu()
-    shares = min(threads or cores(), -(-many // width)) if cpu else 1
+    on_cpu = jax.default_backend() == "cpu"
+    shares = min(threads or _cores(), -(-many // width)) if on_cpu else 1
     room = 1 << (-(-many // shares) - 1).bit_length()
-    if cpu:
+    if on_cpu:
         room = min(room, max(width, 1 << max(PIECE // bytes_each, 1).bit_length() - 1))
 
     def several(turn: np.ndarray) -> None:
@@ -98,13 +98,8 @@ def in_pieces(
         list(pool.map(several, [np.arange(many)[i::shares] for i in range(shares)]))
 
 
-def cores() -> int:
+def _cores() -> int:
     """Cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def on_cpu() -> bool:
-    """Whether JAX computes on a CPU."""
-    return jax.default_backend() == "cpu"

@@ -1,8 +1,7 @@
 """How a motion depends on the numbers of its pendulum, and whether to trust the answer."""
 
 import functools
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -11,7 +10,7 @@ from jaxtyping import Array, Bool, Float
 
 from tp_jax._compiler import compiler_options
 from tp_jax.model.pendulum import AbstractTorsionPendulum
-from tp_jax.simulation.batch import cores, gathered, in_pieces, is_many, lanes, on_cpu
+from tp_jax.simulation.batch import gathered, in_pieces, is_many, lanes
 from tp_jax.simulation.control import Control
 from tp_jax.simulation.parts import take_apart
 from tp_jax.simulation.runs import Ran, integrate
@@ -34,9 +33,6 @@ CHAOTIC = 1e3
 
 WIDTH = 32
 """Lanes side by side on a CPU, with their tangents."""
-
-WORTH = 3
-"""Directions of one run from which on a core more is worth repeating the run."""
 
 
 class Sensitivities(NamedTuple):
@@ -111,14 +107,15 @@ def sensitivities(
     alone = not is_many(parts, y0)
     compiled = _compiled(alone)
 
-    def run(index: np.ndarray, active: int, width: int, places: np.ndarray) -> Ran:
+    def run(index: np.ndarray, active: int, width: int) -> Ran:
         return compiled(
             parts.template, p[:, index], states[:, index], ts, control, places, most,
             np.asarray(active), width,
         )  # fmt: skip
 
     if alone:
-        y, s, error = _side_by_side(lambda some: run(np.zeros(1, int), 1, 1, some), places, own)
+        done = run(np.zeros(1, int), 1, 1)
+        y, s, error = (np.asarray(x) for x in (done.y, done.s, done.error))
     else:
         many, d = states.shape[1], own + len(by)
         y, s = np.empty((many, ts.size, 4)), np.empty((many, ts.size, 2, d))
@@ -126,7 +123,7 @@ def sensitivities(
         width = lanes(WIDTH, many)
 
         def piece(index: np.ndarray, active: int) -> None:
-            done = run(index, active, width, places)
+            done = run(index, active, width)
             for whole, its in ((y, done.y), (s, done.s), (error, done.error)):
                 whole[index[:active]] = np.asarray(its)[:active]
 
@@ -143,38 +140,6 @@ def sensitivities(
         )
     motion = Trajectory(np.asarray(ts), *np.moveaxis(y, 2, 0))
     return Sensitivities(motion, names, s[:, :, 0], s[:, :, 1], error, growth, reliable)
-
-
-def _side_by_side(
-    run: Callable[[np.ndarray], Ran], places: np.ndarray, own: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Motion, derivatives and their errors of one run, whose directions the cores share.
-
-    All repeat the run and the derivatives by its start, so a core is worth some directions.
-
-    Args:
-        run: by some places. places: (d,) all of them. own: states, the first directions.
-    """
-    shares = min(cores(), max(len(places) // WORTH, 1)) if on_cpu() else 1
-    # of equal length, so that they are one program
-    parts = [places[i::shares] for i in range(shares)]
-    longest = len(parts[0])
-    parts = [np.concatenate([part, part[: longest - len(part)]]) for part in parts]
-    with ThreadPoolExecutor(shares) as pool:
-        done = list(pool.map(lambda part: [np.asarray(x) for x in _kept(run(part))], parts))
-    y, s, error = done[0]
-    d = own + len(places)
-    whole, errors = np.empty((*s.shape[:-1], d)), np.empty((*error.shape[:-1], d))
-    whole[..., :own], errors[..., :own] = s[..., :own], error[..., :own]
-    for i, (_, s, error) in enumerate(done):
-        count = len(range(i, len(places), shares))
-        whole[..., own + i :: shares] = s[..., own : own + count]
-        errors[..., own + i :: shares] = error[..., own : own + count]
-    return y, whole, errors
-
-
-def _kept(done: Ran) -> tuple[Array, Array, Array]:
-    return done.y, done.s, done.error
 
 
 @functools.cache
