@@ -57,8 +57,8 @@ def free_structure(setting: Setting, fit: Fit) -> FreeStructure:
     """
     lin, n_windows = fit.linearisation, fit.problem.windows.n
     readings = errors_of_readings(setting, fit)
-    channels = [_channels(n) for n in readings.source]
-    asked = np.array([not (c & _coarse(setting)) for c in channels], dtype=bool)
+    coarse = _coarse(setting)
+    asked = np.array([not (_channels(n) & coarse) for n in readings.source], dtype=bool)
     if not asked.any():
         return FreeStructure(1.0, "", 1.0)
     jac = readings.jac[:, :, asked]
