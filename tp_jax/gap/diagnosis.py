@@ -16,24 +16,17 @@ from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.calibration import Floor, floor
-from tp_jax.gap.choice import (
-    IN_CATALOGUE,
-    LEVEL,
-    SEEN,
-    Choice,
-    cause_probabilities,
-    choose,
-    tied_by_gain,
-)
+from tp_jax.gap.choice import SEEN, Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_runs, start_state
-from tp_jax.gap.free_structure import FreeStructure, free_structure
+from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, shrink
 from tp_jax.gap.location import locate
+from tp_jax.gap.notes import notes
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.screen import Scored
 from tp_jax.gap.series import curves, recordings, residuals
-from tp_jax.gap.verdict import EXPLAINED, both, verdict
+from tp_jax.gap.verdict import both, verdict
 from tp_jax.recordings import Campaign, hold_out
 
 SCHEMA = "tp-jax/diagnosis/1"
@@ -183,7 +176,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "recordings": recordings(setting, start_before, start_after, bool(ids)),
         "curves": curves(setting, free_before, free_after if ids else None),
         "residuals": residuals(setting, before, after if ids else None, least),
-        "notes": _notes(setting, choice, final, word, structure_p_after, anything["after"], least),
+        "notes": notes(setting, choice, final, word, structure_p_after, anything["after"], least),
     }
 
 
@@ -380,60 +373,3 @@ def _next(setting: Setting, choice: Choice, no_gap: bool) -> dict | None:
 def _by_recording(scored: Scored) -> bool:
     """Whether its amplitudes belong to recordings, so that one more run says nothing of them."""
     return any(u.recording is not None for u in scored.variant.unknowns)
-
-
-def _notes(
-    setting: Setting,
-    choice: Choice,
-    final: Refit,
-    word: str,
-    structure_p_after: float,
-    anything: FreeStructure,
-    least: Floor,
-) -> list[str]:
-    notes = []
-    if setting.campaign.B1 is None:
-        notes.append(
-            "B1 is not given, so B1 = 1 and torques are per unit of B1: no angle can tell."
-        )
-    if setting.rider:
-        notes.append(
-            "Ts2 has no effect on any motion and is held at 0; T0 and Tst are nearly confounded "
-            "with Ts1."
-        )
-    if least.known:
-        sizes = " and ".join(f"{1e3 * x:.2g} mrad in {n}" for n, x in least.calibration.items())
-        notes.append(
-            f"The noise floor includes {sizes} that the calibration's error is expected to leave; "
-            "an effect has to stand out from it."
-        )
-    eps = sorted({f.values.get("eps2") for f in (choice.baseline, final.fit)})
-    notes.append(f"The friction's smoothing is eps = {' or '.join(f'{x:g}' for x in eps)} s.")
-    if not final.fit.converged or not choice.baseline.converged:
-        notes.append("A fit ended at its iteration limit; its numbers may still move.")
-    bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
-    if bound:
-        notes.append(f"At a bound: {', '.join(bound)}.")
-    if word == "unknown" and final.ids and structure_p_after >= LEVEL:
-        notes.append(
-            "The fitted recordings show no structure beside what is named, but the held-out ones "
-            f"do not show for certain that {EXPLAINED:.0%} of the gap is gone, as `explained` asks."
-        )
-    elif word == "unknown" and final.ids:
-        notes.append("What is named holds part of the gap; what stays is structured still.")
-        notes += _likeness(anything)
-    elif word == "unknown":
-        notes.append("No effect of the catalogue explains the gap.")
-        notes += _likeness(anything)
-    return notes
-
-
-def _likeness(anything: FreeStructure) -> list[str]:
-    """What the readings look like that no cause explains, where that can be said."""
-    if anything.p >= (1.0 - IN_CATALOGUE) * LEVEL:
-        return []
-    where, *kind = anything.source.split()
-    of = "times" if where == "clock" else f"the readings of {where}"
-    how = {"wandering": "wandered", "jumping": "jumped", "stuttering": "stuttered"}
-    verb = how.get(kind[0], kind[0]) if kind else "were slowly off"
-    return [f"What stays looks most as if {of} {verb}; a torque can look so too."]

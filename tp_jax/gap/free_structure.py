@@ -75,6 +75,10 @@ def free_structure(setting: Setting, fit: Fit) -> FreeStructure:
     inverse = np.linalg.pinv(shared / np.outer(size, size), rcond=1e-12, hermitian=True)
     across = left.H[:, :q, q:] / size
     covariance = H - across @ inverse @ across.transpose(0, 2, 1)
+    # the fit knows nothing of the calibration's error: what that explains is taken off here
+    pull = left.g[:, q:].sum(axis=0) / size
+    pull[: len(base)] = 0.0
+    g = g - across @ (inverse @ pull)
     unit = weight / np.sqrt(np.maximum(np.einsum("wii->i", H) / n_windows, 1e-300))
     noise = _mean_squares(fit, lin.r + np.einsum("wmx,wx->wm", lin.states_jac, left.state_step))
     best = FreeStructure(1.0, "", 1.0)

@@ -34,7 +34,7 @@ FINER = 100.0
 
 
 def measure(b: Bench) -> tuple[dict, list[Row]]:
-    """{"results": [{eps, runs, variation, changes, steps, error}]}, both over those as it is."""
+    """{"results": [{eps, runs, variation, changes, tolerance, steps, error}]}, medians of runs."""
     results, rows = [], []
     for eps in b.scale.eps:
         b.tell(f"control, {smoothing(eps)}")

@@ -1,0 +1,64 @@
+"""What a diagnosis says beside its numbers."""
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.gap.calibration import Floor
+from tp_jax.gap.choice import IN_CATALOGUE, LEVEL, Choice
+from tp_jax.gap.free_structure import FreeStructure
+from tp_jax.gap.refit import Refit
+from tp_jax.gap.verdict import EXPLAINED
+
+
+def notes(
+    setting: Setting,
+    choice: Choice,
+    final: Refit,
+    word: str,
+    structure_p_after: float,
+    anything: FreeStructure,
+    least: Floor,
+) -> list[str]:
+    """What to know beside the numbers, a sentence or two each."""
+    said = []
+    if setting.campaign.B1 is None:
+        said.append("B1 is not given, so B1 = 1 and torques are per unit of B1: no angle can tell.")
+    if setting.rider:
+        said.append(
+            "Ts2 has no effect on any motion and is held at 0; T0 and Tst are nearly confounded "
+            "with Ts1."
+        )
+    if least.known:
+        sizes = " and ".join(f"{1e3 * x:.2g} mrad in {n}" for n, x in least.calibration.items())
+        said.append(
+            f"The noise floor includes {sizes} that the calibration's error is expected to leave; "
+            "an effect has to stand out from it."
+        )
+    eps = sorted({f.values.get("eps2") for f in (choice.baseline, final.fit)})
+    said.append(f"The friction's smoothing is eps = {' or '.join(f'{x:g}' for x in eps)} s.")
+    if not final.fit.converged or not choice.baseline.converged:
+        said.append("A fit ended at its iteration limit; its numbers may still move.")
+    bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
+    if bound:
+        said.append(f"At a bound: {', '.join(bound)}.")
+    if word == "unknown" and final.ids and structure_p_after >= LEVEL:
+        said.append(
+            "The fitted recordings show no structure beside what is named, but the held-out ones "
+            f"do not show for certain that {EXPLAINED:.0%} of the gap is gone, as `explained` asks."
+        )
+    elif word == "unknown" and final.ids:
+        said.append("What is named holds part of the gap; what stays is structured still.")
+        said += _likeness(anything)
+    elif word == "unknown":
+        said.append("No effect of the catalogue explains the gap.")
+        said += _likeness(anything)
+    return said
+
+
+def _likeness(anything: FreeStructure) -> list[str]:
+    """What the readings look like that no cause explains, where that can be said."""
+    if anything.p >= (1.0 - IN_CATALOGUE) * LEVEL:
+        return []
+    where, *kind = anything.source.split()
+    of = "times" if where == "clock" else f"the readings of {where}"
+    how = {"wandering": "wandered", "jumping": "jumped", "stuttering": "stuttered"}
+    verb = how.get(kind[0], kind[0]) if kind else "were slowly off"
+    return [f"What stays looks most as if {of} {verb}; a torque can look so too."]
