@@ -68,3 +68,21 @@ def test_rounding_that_goes_with_the_motion_is_not_asked(fitted, monkeypatch):
     monkeypatch.setattr(module, "quantum", lambda _: 1.0)
     found = free_structure(setting, fit)
     assert (found.p, found.source) == (1.0, "")
+
+
+def test_what_a_calibrations_error_explains_is_not_structure(fitted, monkeypatch):
+    """An error of every window alike, as likely as the prior has it."""
+    setting, fit = fitted
+    lin, rng = fit.linearisation, np.random.default_rng(4)
+    shape = np.zeros_like(lin.r)
+    for i, n in enumerate(fit.problem.windows.count):
+        shape[i, 1 : 2 * n : 2] = 1.5 * np.linspace(-1.0, 1.0, n) ** 3
+    shape[~lin.valid] = 0.0
+
+    def error(i, n):
+        return rng.normal(size=(n, 2)) + 1.5 * shape[i, : 2 * n].reshape(n, 2)
+
+    off = leaving(fit, error)
+    assert free_structure(setting, off).p < 1e-3
+    monkeypatch.setattr(module.calibration, "columns", lambda *_: shape[:, :, None])
+    assert free_structure(setting, off).p > 0.05

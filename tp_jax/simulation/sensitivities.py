@@ -34,6 +34,10 @@ CHAOTIC = 1e3
 WIDTH = 32
 """Lanes side by side on a CPU, with their tangents."""
 
+VECTOR = 4
+"""Directions of one run are filled up to a multiple of so many: those left over are computed one by
+one, and take longer than a full vector."""
+
 
 class Sensitivities(NamedTuple):
     """What `sensitivities` returns; of many pendulums every field but names and the times has an
@@ -105,10 +109,11 @@ def sensitivities(
     own = parts.n_states
     control, most = Control(angle=np.asarray(tolerance, float)), np.asarray(max_steps)
     alone = not is_many(parts, y0)
-    compiled = _compiled(alone)
+    if alone and by:
+        places = np.append(places, np.repeat(places[-1:], -(own + len(by)) % VECTOR))
 
     def run(index: np.ndarray, active: int, width: int) -> Ran:
-        return compiled(
+        return _compiled()(
             parts.template, p[:, index], states[:, index], ts, control, places, most,
             np.asarray(active), width,
         )  # fmt: skip
@@ -116,6 +121,7 @@ def sensitivities(
     if alone:
         done = run(np.zeros(1, int), 1, 1)
         y, s, error = (np.asarray(x) for x in (done.y, done.s, done.error))
+        s, error = s[..., : own + len(by)], error[:, : own + len(by)]
     else:
         many, d = states.shape[1], own + len(by)
         y, s = np.empty((many, ts.size, 4)), np.empty((many, ts.size, 2, d))
@@ -143,11 +149,9 @@ def sensitivities(
 
 
 @functools.cache
-def _compiled(alone: bool):
-    """`_run`; for many on a processor's full width."""
-    return (
-        eqx.filter_jit(_run) if alone else eqx.filter_jit(_run, compiler_options=compiler_options())
-    )
+def _compiled():
+    """`_run` on a processor's full width."""
+    return eqx.filter_jit(_run, compiler_options=compiler_options())
 
 
 def _run(template, p, y0, ts, control, places, max_steps, active, width) -> Ran:
