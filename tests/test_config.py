@@ -11,7 +11,7 @@ import pytest
 from tp_jax._config import SMALL_LOOP, cache_folder, compile_small_loops, programs_folder
 
 OPTION = "xla_cpu_small_while_loop_byte_threshold"
-FLAG = f"--xla_backend_extra_options={OPTION}={SMALL_LOOP}"
+FLAG = f"--xla_backend_extra_options={OPTION}={SMALL_LOOP},xla_cpu_disable_loop_unrolling=true"
 
 
 @pytest.fixture

@@ -15,10 +15,11 @@ EVERYWHERE = {"errors", "_files", "_version"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
     "_files": set(),
+    "_memory": set(),
     "_version": set(),
     "_compiler": set(),
     "_config": set(),
-    "_stored": {"_compiler", "_config"},
+    "_stored": {"_compiler", "_config", "_memory"},
     "model": set(),
     "effects": {"model"},
     "simulation": {"_compiler", "model", "effects"},
@@ -58,6 +59,7 @@ FORBIDDEN = {
     "acquisition": JAX,
     "errors": {*JAX, "numpy", "scipy"},
     "_files": {*JAX, "numpy", "scipy"},
+    "_memory": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,
 }

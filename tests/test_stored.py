@@ -128,3 +128,14 @@ def test_threads_wait_for_one_another(folder):
 
 def test_digest_of_the_source_knows_every_file():
     assert len(_stored._source()) == 64
+
+
+@pytest.mark.parametrize(("seconds", "times"), [(0.0, 1), (1e9, 0)])
+def test_memory_of_a_large_program_is_given_back_once(folder, monkeypatch, seconds, times):
+    calls = []
+    monkeypatch.setattr(_stored, "LARGE", seconds)
+    monkeypatch.setattr(_stored, "release", lambda: calls.append(1))
+    f = Traced().process()
+    for _ in range(3):
+        f(2.0, Pair(jnp.arange(3.0), None))
+    assert len(calls) == times

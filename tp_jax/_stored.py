@@ -14,6 +14,7 @@ import hashlib
 import logging
 import os
 import threading
+import time
 from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Any
@@ -25,8 +26,12 @@ from jax import export
 from tp_jax._compiler import compiler_options
 from tp_jax._config import programs_folder
 from tp_jax._files import replaced
+from tp_jax._memory import release
 
 log = logging.getLogger(__name__)
+
+LARGE = 0.5
+"""Seconds to load or compile a program from which on it leaves much memory behind."""
 
 
 class Stored:
@@ -69,10 +74,13 @@ class Stored:
             lock = self._locks.setdefault(key, threading.Lock())
         with lock:
             ready = self._ready.get(key)
+            begun = time.monotonic()
             if ready is None:
                 ready = self._program(static, arrays, f"{tree} {shapes}")
             out = ready(*arrays)  # compiles it
             self._ready[key] = ready
+        if time.monotonic() - begun > LARGE:
+            release()
         return out
 
     def _program(self, static: tuple, arrays: tuple, shapes: str) -> Callable[..., Any]:

@@ -1,8 +1,7 @@
 """The bearing's dry friction depends on its angle."""
 
-import jax.numpy as jnp
-
 from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.model.elementary import sine_cosine
 
 
 class BearingPosition(Effect):
@@ -22,4 +21,5 @@ class BearingPosition(Effect):
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""
-        return m.bearing_dry * (a * jnp.cos(n * m.phi1) + b * jnp.sin(n * m.phi1))
+        s, c = sine_cosine(n * m.phi1)
+        return m.bearing_dry * (a * c + b * s)

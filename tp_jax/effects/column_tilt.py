@@ -1,8 +1,7 @@
 """Gravity on a mass off the column's axis."""
 
-import jax.numpy as jnp
-
 from tp_jax.effects.base import Amplitude, Effect
+from tp_jax.model.elementary import sine_cosine
 
 
 class ColumnTilt(Effect):
@@ -21,4 +20,5 @@ class ColumnTilt(Effect):
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""
-        return -(a * jnp.sin(m.phi1) + b * jnp.cos(m.phi1))
+        s, c = sine_cosine(m.phi1)
+        return -(a * s + b * c)

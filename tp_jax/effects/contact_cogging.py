@@ -1,8 +1,7 @@
 """Magnets on the rider pull it to preferred angles."""
 
-import jax.numpy as jnp
-
 from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.model.elementary import sine_cosine
 
 
 class ContactCogging(Effect):
@@ -24,4 +23,5 @@ class ContactCogging(Effect):
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""
-        return a * jnp.sin(n * m.phi2) + b * jnp.cos(n * m.phi2)
+        s, c = sine_cosine(n * m.phi2)
+        return a * s + b * c

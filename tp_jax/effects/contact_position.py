@@ -1,8 +1,7 @@
 """The contact's dry friction depends on the rider's angle."""
 
-import jax.numpy as jnp
-
 from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.model.elementary import sine_cosine
 
 
 class ContactPosition(Effect):
@@ -24,4 +23,5 @@ class ContactPosition(Effect):
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""
-        return m.contact_dry * (a * jnp.cos(n * m.phi2) + b * jnp.sin(n * m.phi2))
+        s, c = sine_cosine(n * m.phi2)
+        return m.contact_dry * (a * c + b * s)

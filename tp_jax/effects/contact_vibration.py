@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.model.elementary import sine_cosine
 
 
 class ContactVibration(Effect):
@@ -23,6 +24,5 @@ class ContactVibration(Effect):
 
     def increment(self, m, a, b, W):  # type: ignore[override]
         """See the class."""
-        return m.contact_dry * (
-            a * jnp.cos(2.0 * jnp.pi * W * m.t) + b * jnp.sin(2.0 * jnp.pi * W * m.t)
-        )
+        s, c = sine_cosine(2.0 * jnp.pi * W * m.t)
+        return m.contact_dry * (a * c + b * s)

@@ -1,8 +1,7 @@
 """Cam and arm do not make a pure sine."""
 
-import jax.numpy as jnp
-
 from tp_jax.effects.base import Amplitude, Effect
+from tp_jax.model.elementary import sine_cosine
 
 
 class DriveHarmonics(Effect):
@@ -22,4 +21,5 @@ class DriveHarmonics(Effect):
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""
-        return m.A * (a * jnp.sin(2.0 * m.theta) + b * (jnp.cos(2.0 * m.theta) - 1.0))
+        s, c = sine_cosine(2.0 * m.theta)
+        return m.A * (a * s + b * (c - 1.0))

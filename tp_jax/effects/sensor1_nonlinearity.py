@@ -1,8 +1,7 @@
 """The bridge of sensor 1 is read with a straight line."""
 
-import jax.numpy as jnp
-
 from tp_jax.effects.base import Amplitude, Effect
+from tp_jax.model.elementary import sine
 
 
 class Sensor1Nonlinearity(Effect):
@@ -19,4 +18,4 @@ class Sensor1Nonlinearity(Effect):
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""
-        return a * (0.5 * jnp.sin(2.0 * m.phi1) - m.phi1)
+        return a * (0.5 * sine(2.0 * m.phi1) - m.phi1)

@@ -1,8 +1,7 @@
 """The bridge of sensor 2 is read with a straight line."""
 
-import jax.numpy as jnp
-
 from tp_jax.effects.base import Amplitude, Effect
+from tp_jax.model.elementary import sine
 
 
 class Sensor2Nonlinearity(Effect):
@@ -20,4 +19,4 @@ class Sensor2Nonlinearity(Effect):
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""
-        return a * (0.5 * jnp.sin(2.0 * m.phi2) - m.phi2)
+        return a * (0.5 * sine(2.0 * m.phi2) - m.phi2)

@@ -106,15 +106,14 @@ class Layout:
 
     @functools.cached_property
     def families(self) -> tuple[frozenset[str], ...]:
-        """Effects of the motion in groups of their own: what they add to a step's cost is alike.
+        """Effects of the motion in groups: what they add to a step's cost is alike.
 
-        Those of the contact, those of the rest, then those with one state of their own, with two.
+        Those without a state of their own, those with one, those with two.
         """
-        kinds: dict[tuple[int, bool], set[str]] = {}
+        kinds: dict[int, set[str]] = {}
         for e in self.effects:
             if e.hook in MOTION:
-                kind = (e.n_states, not e.n_states and e.hook != "contact")
-                kinds.setdefault(kind, set()).add(e.id)
+                kinds.setdefault(e.n_states, set()).add(e.id)
         return tuple(frozenset(kinds[kind]) for kind in sorted(kinds))
 
     def n_states(self, ids: frozenset[str] = frozenset()) -> int:

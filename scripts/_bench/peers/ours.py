@@ -25,6 +25,7 @@ def _model(parameters, eps):
 
 
 _models = jax.jit(jax.vmap(_model, in_axes=(0, None)))
+_one = jax.jit(_model)
 
 
 def run(parameters, eps, ts, tol):
@@ -59,7 +60,7 @@ def motions(table, eps, ts, tol, changes=None):
 
 def sensitivities(parameters, eps, ts, tol):
     """Derivatives (n, 2, 14) of `run`, columns as in `problem.DIRECTIONS`."""
-    found = tp.sensitivities(_model(parameters, eps), ts, tolerance=tol)
+    found = tp.sensitivities(_one(parameters, eps), ts, tolerance=tol)
     # theirs begin with the initial state
     return np.roll(np.stack([found.phi1, found.phi2], axis=1), -4, axis=2)
 
