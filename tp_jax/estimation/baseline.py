@@ -33,6 +33,7 @@ Progress = Callable[[str, float | None], None]
 #: keeps the steps finite and is reported as unidentifiable where it decides.
 T0_PRIOR = (np.log(5.0), 2.0)
 
+PATIENCE = 100  # steps of a fit: far from a rider that hardly moves, some rigs need more than 50
 POOR = 2.0  # chi2/dof of a fit to the shortest windows that is looked for another way too
 
 RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
@@ -256,7 +257,7 @@ def grow(
     horizons: Sequence[float] | None = None,
     which: Sequence[int] | None = None,
     progress: Progress | None = None,
-    max_iterations: int = 30,
+    max_iterations: int = PATIENCE,
 ) -> Fit:
     """Fits on growing windows, with the friction's smoothing raised on the way."""
     horizons = setting.horizons if horizons is None else horizons

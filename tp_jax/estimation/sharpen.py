@@ -15,7 +15,7 @@ import logging
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PATIENCE, Setting
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.simulation.lanes import Tolerances
@@ -31,7 +31,7 @@ def sharpened(
     before: Fit,
     *,
     bounds: dict[str, tuple[float, float]] | None = None,
-    max_iterations: int = 25,
+    max_iterations: int = PATIENCE,
 ) -> Fit:
     """A fit with the friction's smoothing at `Setting.sharpest`.
 

@@ -63,14 +63,17 @@ def free_structure(setting: Setting, fit: Fit) -> FreeStructure:
         return FreeStructure(1.0, "", 1.0)
     jac = readings.jac[:, :, asked]
     source, weight = readings.source[asked], readings.weight[asked]
-    base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
+    moved = np.flatnonzero(~np.asarray(fit.at_bound, dtype=bool))
+    base = [fit.unknowns[i] for i in moved]
     base_jac = spread(lin, base)
     shapes = calibration.columns(setting, fit)
     left = eliminate(lin.r, lin.states_jac, np.concatenate([jac, base_jac, shapes], axis=2))
     q = source.size
     H, g = left.H[:, :q, :q], left.g[:, :q]
     shared = left.H[:, q:, q:].sum(axis=0)
-    shared[np.arange(len(base), len(shared)), np.arange(len(base), len(shared))] += 1.0  # prior
+    prior = np.diag(fit.information() - fit.eliminated.H.sum(axis=0))[moved]
+    prior = np.concatenate([prior, np.ones(len(shared) - len(base))])
+    shared[np.arange(len(shared)), np.arange(len(shared))] += prior
     size = np.sqrt(np.maximum(np.diag(shared), 1e-300))
     inverse = np.linalg.pinv(shared / np.outer(size, size), rcond=1e-12, hermitian=True)
     across = left.H[:, :q, q:] / size
