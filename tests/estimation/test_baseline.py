@@ -7,7 +7,10 @@ import pytest
 
 from tests.reference import BENCH
 from tests.rigs import lossy, synthetic_campaign
+from tp_jax.blind.draw import draw_rig
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.recordings import load_campaign
+from tp_jax.rig import make_campaign
 
 
 @pytest.fixture(scope="module")
@@ -75,3 +78,16 @@ def test_lost_samples_change_nothing(fit):
     windows = found.problem.windows
     for r, first, count in zip(windows.recording, windows.first, windows.count, strict=True):
         assert np.diff(setting.prepared[r].t[first : first + count]).max(initial=0.0) < 0.0101
+
+
+def test_a_rig_whose_rider_hardly_moves_takes_many_steps(tmp_path):
+    """Its own data say far too little of the rider, so that the start is a tenth of the truth."""
+    parameters, seed, _ = draw_rig(np.random.default_rng([411, 184]), 6, 10.0)
+    make_campaign(tmp_path / "rig", parameters, runs=6, seed=seed)
+    setting = prepare_campaign(load_campaign(tmp_path / "rig"), effects=())
+    start = initial_values(setting)
+    assert start.get("B2") < 0.3 * parameters.B2
+    found = grow(setting, start, setting.unknowns())
+    assert found.converged, found.message
+    assert found.values.get("B2") == pytest.approx(parameters.B2, rel=0.02)
+    assert not grow(setting, start, setting.unknowns(), max_iterations=30).converged
