@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
+from matplotlib import image
 from matplotlib.figure import Figure
 
 from tp_jax.report import figures, style, write_report
@@ -39,6 +40,14 @@ def test_any_diagnosis_draws_or_has_nothing(diagnosis, name):
     figure = DRAW[name](diagnosis)
     if figure is not None:
         style.svg(figure, "f", "x")
+
+
+def test_a_file_is_on_white_and_a_page_shows_its_own_ground(made, tmp_path):
+    figure = DRAW["gap"](made("explained"))
+    style.save(figure, tmp_path / "gap.png")
+    assert (image.imread(tmp_path / "gap.png")[0, 0] == 1.0).all()  # opaque
+    assert style.markup(figure).count("fill: #ffffff") == 1
+    assert "#ffffff" not in style.svg(figure, "f", "what it shows")
 
 
 def test_a_single_pendulum_has_one_channel(made):

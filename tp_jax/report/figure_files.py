@@ -28,11 +28,12 @@ def write_figures(drawn: Sequence[Picture], folder: Path) -> None:
         folder.mkdir(exist_ok=True)
     written = set()
     for one in drawn:
-        for kind in ("png", "svg"):
-            target = folder / f"{one.name}.{kind}"
-            with replaced(target) as part:
-                style.save(one.figure, part)
-            written.add(target.name)
+        png, svg = (folder / f"{one.name}.{kind}" for kind in ("png", "svg"))
+        with replaced(png) as part:
+            style.save(one.figure, part)
+        with replaced(svg) as part:
+            part.write_text(one.file, encoding="utf-8")
+        written |= {png.name, svg.name}
     stale = folder.iterdir() if folder.is_dir() else ()
     for path in list(stale):
         if _OURS.fullmatch(path.name) and path.name not in written:

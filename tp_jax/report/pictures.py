@@ -15,13 +15,14 @@ MOST_RECORDINGS = 3
 
 
 class Picture(NamedTuple):
-    """A figure in two widths, as `<svg>` elements, its caption, and the wide one itself."""
+    """A figure in two widths, as `<svg>` elements, its caption, the wide one and its SVG file."""
 
     name: str
     wide: str
     narrow: str
     caption: str
     figure: "Figure"
+    file: str
 
 
 class Pictures(NamedTuple):
@@ -71,12 +72,14 @@ def picture(
     wide, narrow = draw(width), draw(style.NARROW)
     if wide is None or narrow is None:
         return None
+    file = style.markup(wide)
     return Picture(
         name,
-        style.svg(wide, f"{name}-w", caption),
+        style.inline(file, f"{name}-w", caption),
         style.svg(narrow, f"{name}-n", caption),
         caption,
         wide,
+        file,
     )
 
 

@@ -8,7 +8,7 @@ dark screen; text and axes take the colour of the page's text.
 import io
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -131,35 +131,53 @@ def legend(figure: "Figure", *axes: "Axes") -> None:
 
 def save(figure: "Figure", path: Path) -> None:
     """The figure as a file of its own, on white; PNG or SVG, as the path's suffix says."""
+    kind = path.suffix.removeprefix(".")
+    with path.open("wb") as stream:
+        _write(figure, stream, kind)
+
+
+def markup(figure: "Figure") -> str:
+    """The figure as an SVG file's text, on white."""
+    stream = io.BytesIO()
+    _write(figure, stream, "svg")
+    return stream.getvalue().decode()
+
+
+def _write(figure: "Figure", stream: BinaryIO, kind: str) -> None:
+    """Draws it; a figure keeps the layout of the first time, which takes as long as drawing."""
     import matplotlib
 
-    kind = path.suffix.removeprefix(".")
     metadata = _NO_METADATA if kind == "svg" else {"Software": None}
+    figure.patch.set_alpha(1.0)
     with matplotlib.rc_context(_SETTINGS):
-        figure.savefig(path, format=kind, dpi=PIXELS, facecolor="white", metadata=metadata)
+        figure.savefig(stream, format=kind, dpi=PIXELS, facecolor="white", metadata=metadata)
+    figure.set_layout_engine("none")
 
 
 def svg(figure: "Figure", name: str, label: str) -> str:
-    """The figure as an `<svg>` element to stand inside an HTML page.
+    """The figure as an `<svg>` element to stand inside an HTML page; see `inline`."""
+    return inline(markup(figure), name, label)
+
+
+def inline(text: str, name: str, label: str) -> str:
+    """A figure's SVG file as an `<svg>` element to stand inside an HTML page, on its ground.
 
     Args:
+        text: of the file; see `markup`.
         name: prefix of its ids, which must be unique in the page.
         label: what it shows, in words, for those who do not see it.
     """
     import html
 
-    import matplotlib
-
-    stream = io.StringIO()
-    with matplotlib.rc_context(_SETTINGS):
-        figure.savefig(stream, format="svg", transparent=True, metadata=_NO_METADATA)
-    text = stream.getvalue()
     box = re.search(r'viewBox="([^"]+)"', text)
     body = text[text.index(">", text.index("<svg")) + 1 :]
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
     # this style would reach the whole page; it has its like in the page's style sheet
     body = re.sub(r"<defs>\s*<style[^>]*>.*?</style>\s*</defs>", "", body, flags=re.DOTALL)
     body = re.sub(r"<!--.*?-->\s*", "", body, flags=re.DOTALL)
+    # the figure's white ground, and those of axes, which are not seen
+    body = re.sub(r'<g id="patch_1">.*?</g>', "", body, count=1, flags=re.DOTALL)
+    body = re.sub(r'<g id="patch_\d+">\s*<path [^>]*opacity: 0"/>\s*</g>', "", body)
     body = _without_idle_ids(body)
     body = re.sub(r'\bid="', f'id="{name}-', body)
     body = body.replace("url(#", f"url(#{name}-").replace('xlink:href="#', f'href="#{name}-')
