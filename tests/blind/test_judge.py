@@ -29,7 +29,15 @@ def test_second_is_not_first():
     assert not row["top1"]
     assert row["top3"]
     assert not row["location"]
-    assert row["multiples"][SPRING] == {"value": 4.0, "scale": "reference"}
+    assert row["undetectable"]  # no size of it, says the diagnosis
+    assert row["multiples"][SPRING] == {"value": None, "scale": "diagnosis"}
+    assert row["multiple"] is None
+
+
+def test_outside_the_catalogue_the_rig_has_the_scale():
+    row = judge(part_of_key("case-001", "outside", {"motor_stall": 0.1}), diagnosis_of("unknown"))
+    assert row["multiples"]["motor_stall"] == {"value": 4.0, "scale": "reference"}
+    assert row["undetectable"] is row["explained"] is None
 
 
 def test_a_tie_counts_as_one():

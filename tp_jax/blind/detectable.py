@@ -20,6 +20,7 @@ TRIES = 4
 AMID, NEAR = 3.0, 1.6  # times the detectable size that is to be tried, and within which factor
 LARGEST = 1.5  # of the sizes that an effect draws for itself
 UNSEEN = 0.01  # of the noncentrality that is needed
+OWN = 0.1  # of the mean square of runs' amplitudes, for a run to say how it shows its own
 
 
 def noncentrality(
@@ -45,7 +46,9 @@ def least_noncentrality(
     effect = catalogue()[id]
     if effect.per_run:
         found, squares = noncentralities(bench, id, sizes, shapes)
-        per_unit = found[squares > 0.0] / squares[squares > 0.0]
+        # a run that by chance has next to nothing of it shows what the others have
+        own = squares > max(OWN * squares.mean(), 0.0)
+        per_unit = found[own] / squares[own]
         shown = per_unit[per_unit > UNSEEN * per_unit.max(initial=0.0)]
         return float(shown.min(initial=np.inf) * squares.sum()) if shown.size else 0.0
     if len(effect.amplitudes) == 1:

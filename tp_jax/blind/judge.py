@@ -2,6 +2,8 @@
 
 A group of effects that the diagnosis calls confused with each other, of three at most, counts as
 one: naming any of them is naming the true one. `top1_alone` is without that allowance.
+`undetectable`: the diagnosis says that no size of what is hidden, or of one of two, shows; such a
+case counts among all sizes and in no band of them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,22 +26,27 @@ def judge(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
     causes = [cause["effect"] for cause in diagnosis.get("causes") or []]
     where = diagnosis.get("where") or []
     multiples = {id: truth.multiple(entry, id, diagnosis) for id in hidden}
+    known = [value for value, _ in multiples.values() if value is not None]
     row: dict[str, Any] = {
         "case": entry["case"],
         "kind": entry["kind"],
         "effects": hidden,
-        "multiple": min((value for value, _ in multiples.values()), default=None),
+        "multiple": min(known) if known and len(known) == len(hidden) else None,
         "multiples": {id: {"value": v, "scale": scale} for id, (v, scale) in multiples.items()},
         "verdict": diagnosis["verdict"],
         "causes": causes,
         "top1": None, "top1_alone": None, "top3": None, "location": None, "channel": None,
         "false_alarm": None, "unknown": None, "both_named": None, "one_named": None,
+        "explained": None, "undetectable": None,
         "coverage": truth.covered(entry, diagnosis) if entry["kind"] in ("one", "none") else None,
     }  # fmt: skip
     if entry["kind"] == "none":
         row["false_alarm"] = diagnosis["verdict"] != "no_gap" or bool(causes)
         return row
     row["channel"] = bool(where) and where[0].get("channel") in truth.channels(entry)
+    if entry["kind"] != "outside":
+        row["explained"] = diagnosis["verdict"] == "explained"
+        row["undetectable"] = row["multiple"] is None
     if entry["kind"] == "outside":
         row["unknown"] = diagnosis["verdict"] == "unknown"
     elif entry["kind"] == "one":

@@ -19,7 +19,7 @@ ENOUGH = 3.0  # times the minimum detectable size: from here on most should be r
 NEAR = 0.1  # a shrink so near the best possible is right
 QUESTIONS = (
     "top1", "top3", "location", "false_alarm", "unknown", "both_named",
-    "top1_alone", "channel", "channel_outside", "one_named",
+    "top1_alone", "channel", "channel_outside", "one_named", "explained", "undetectable",
 )  # fmt: skip
 
 Progress = Callable[[str, float | None], None]
@@ -135,7 +135,7 @@ def measures(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         if question == "channel_outside":
             asked = [row for row in rows if row["kind"] == "outside"]
         name = question.removesuffix("_outside")
-        out[question] = share([row[name] for row in asked if row[name] is not None])
+        out[question] = share([row[name] for row in asked if row.get(name) is not None])
     # a model that does worse than the baseline takes nothing away
     errors = [
         abs(_clipped(row["shrink"]["best"]) - _clipped(row["shrink"]["shrink"]))
@@ -172,10 +172,11 @@ def by_effect(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     out = {}
     for id in sorted({row["effects"][0] for row in single}):
         mine = [row for row in single if row["effects"][0] == id]
+        sizes = [row["multiple"] for row in mine if row["multiple"] is not None]
         wrong = Counter(said(row) for row in mine if not (row["top1"] or row["unknown"]))
         out[id] = {
             "kind": mine[0]["kind"],
-            "multiple": float(np.median([row["multiple"] for row in mine])),
+            "multiple": float(np.median(sizes)) if sizes else None,
             "top1": share([row["top1"] for row in mine if row["top1"] is not None]),
             "top3": share([row["top3"] for row in mine if row["top3"] is not None]),
             "location": share([row["location"] for row in mine if row["location"] is not None]),

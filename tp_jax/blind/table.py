@@ -13,11 +13,14 @@ WORDS = {
     "false_alarm": "false alarms, nothing hidden", "unknown": "unknown, outside the catalogue",
     "channel_outside": "right channel, outside the catalogue",
     "both_named": "both named, two hidden", "one_named": "one at least named, two hidden",
+    "explained": "verdict explained, one or two hidden",
+    "undetectable": "no size detectable, says the diagnosis",
     "shrink_error": "shrink, mean distance from the best", "shrink_near": "shrink within 0.1 of it",
     "coverage_amplitudes": "95 % intervals of sizes that hold",
     "coverage_parameters": "95 % intervals of parameters that hold",
 }  # fmt: skip
 BY_SIZE = ("top1", "top3", "location", "unknown", "channel_outside", "both_named", "shrink_error")
+ALL_SIZES = ("false_alarm", "undetectable")
 MISSING = "–"
 
 
@@ -71,7 +74,7 @@ def measure(of: Mapping[str, Any], *, interval: bool = True) -> str:
 def _overall(scored: Mapping[str, Any]) -> Sheet:
     rows = []
     for name, words in WORDS.items():
-        later = MISSING if name == "false_alarm" else measure(scored["from_3"][name])
+        later = MISSING if name in ALL_SIZES else measure(scored["from_3"][name])
         rows.append((words, measure(scored[name]), later))
     return Sheet(f"{scored['cases']} cases", ("", "all sizes", "from 3 × detectable"), rows)
 
@@ -94,7 +97,7 @@ def _effects(scored: Mapping[str, Any]) -> Sheet:
         inside = row["kind"] == "one"
         cells = (
             id,
-            f"{row['multiple']:.1f} ×",
+            MISSING if row["multiple"] is None else f"{row['multiple']:.1f} ×",
             measure(row["top1" if inside else "unknown"], interval=False),
             measure(row["location" if inside else "channel"], interval=False),
             ", ".join(f"{said} {n}" for said, n in row["instead"].items()),

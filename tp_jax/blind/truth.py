@@ -41,16 +41,19 @@ def size(entry: Mapping[str, Any], id: str, diagnosis: Mapping[str, Any]) -> flo
     return float(np.linalg.norm(table))
 
 
-def multiple(entry: Mapping[str, Any], id: str, diagnosis: Mapping[str, Any]) -> tuple[float, str]:
+def multiple(
+    entry: Mapping[str, Any], id: str, diagnosis: Mapping[str, Any]
+) -> tuple[float | None, str]:
     """Size over the minimum detectable one, and by whose scale that is.
 
-    The diagnosis' own where it has one ("diagnosis"), else the one that was measured on the rig
-    when the case was made ("reference"), as for effects outside the catalogue.
+    Of an effect of the catalogue the diagnosis' own ("diagnosis"); None where it says that no size
+    shows in these recordings. Of one from outside it that which was measured on the rig when the
+    case was made ("reference").
     """
+    if not entry["given"]["effects"][id]["in_catalogue"]:
+        return float(entry["reference"][id]["multiple"]), "reference"
     least = ((diagnosis.get("minimum_detectable") or {}).get(id) or {}).get("value")
-    if least:
-        return size(entry, id, diagnosis) / least, "diagnosis"
-    return float(entry["reference"][id]["multiple"]), "reference"
+    return (size(entry, id, diagnosis) / least if least else None), "diagnosis"
 
 
 def covered(entry: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> dict[str, list[bool]]:

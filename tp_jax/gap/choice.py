@@ -10,6 +10,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.crossvalidation import gain, left_out_cost
+from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable, sharper
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
@@ -32,7 +33,9 @@ LIKELIER, PER_AMPLITUDE = 16.0, 4.0  # twice a logarithm of likelihoods, of many
 NOISE_ALONE = 0.1  # of the noise's variance: three standard errors of that and more
 SMOOTHING = 0.5  # of what is left: if sharper friction takes so much, it is looked at without
 LITTLE = 0.5  # of the noise's variance: less is looked at with sharp friction too
-LEAST_PART = 0.01  # of the removable gap that a cause must take with it
+LEAST_PART = 0.01  # of the removable gap that a cause must take with it, or be the last of it
+CLEARLY = 64.0  # twice a logarithm of likelihoods, of a cause that takes less
+BESIDE = 0.25  # of what it takes: what others may still promise
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,13 +97,14 @@ def choose(
             before = sharp.fit
             seen = screen(before, setting, **rest)
             structure = structure_test(seen, seed)
-        # A cause takes something worth telling with it, and so must be more than what is left.
-        promised = max((s.drop for s in seen.scored), default=0.0)
-        settled = bool(current.ids) and promised <= LEAST_PART * noise_only
-        last = settled or n == len(REFITTED)
+        last, small = n == len(REFITTED), False
         if current.ids and structure.p < SEEN and not last:
             seen = screen(before, setting, skip=current.ids)
             structure = structure_test(seen, seed)
+            # A cause takes something worth telling with it, if it is not the last that was missing.
+            promised = max((s.drop for s in seen.scored), default=0.0)
+            small = promised <= LEAST_PART * noise_only
+            last = small and promised <= CLEARLY
         log.info("round %d: structure p %.4g", n + 1, structure.p)
         if structure.p >= SEEN or last:
             rounds.append(Round(before, current.fit, seen, structure, {}, {}, None))
@@ -127,8 +131,8 @@ def choose(
                     trial = regrown(setting, current.fit, trial)
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
-        best = _most_promising(refits, gains, block)
-        if _earned(*gains[best], noise_only, refits[best]):
+        best = _likeliest(refits) if small else _most_promising(refits, gains, block)
+        if small or _earned(*gains[best], noise_only, refits[best]):
             # What comes next is a look at every effect without states beside those that are in.
             programs = current.fit.problem.programs
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
@@ -136,12 +140,14 @@ def choose(
         polished = polish(setting, refits[best])
         refits[best] = polished
         gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
-        taken = best if _earned(drop, error, noise_only, polished) else None
+        taken = best if small or _earned(drop, error, noise_only, polished) else None
         if taken is not None:
             progress("sharpening the friction", None)
             keener = sharper(setting, polished)
             # Where smoothing may be what is left, the cause has to earn its place without it too.
-            if before is sharp.fit and not _earned(
+            if small:
+                taken = best if _clearly(setting, sharp, keener, seed) else None
+            elif before is sharp.fit and not _earned(
                 *gain(left_out_cost(before), left_out_cost(keener.fit), block),
                 max(removable(before), 0.0), keener,
             ):  # fmt: skip
@@ -184,12 +190,47 @@ def _earned(drop: float, error: float, gap: float, result: Refit) -> bool:
     if drop <= LEAST_PART * gap:
         return False
     chance = np.sqrt(2.0 * result.fit.dof)
-    ratio = LIKELIER + PER_AMPLITUDE * len(result.variants[-1].unknowns)
+    ratio = LIKELIER + PER_AMPLITUDE * _amplitudes(result)
     return bool(
         drop > EARNS * error
         or (gap > SURELY * chance and drop > MOST_PART * gap)
         or (removable(result.fit) < NOISE_ALONE * result.fit.dof and drop > ratio)
     )
+
+
+def _likeliest(refits: dict[str, Refit]) -> str:
+    """The refit with the smallest sum of squares, amplitudes counted.
+
+    What is left out says less than the fit itself where an effect takes next to nothing.
+    """
+    return min(refits, key=lambda id: refits[id].cost + PER_AMPLITUDE * _amplitudes(refits[id]))
+
+
+def _clearly(setting: Setting, before: Refit, after: Refit, seed: int) -> bool:
+    """Whether an effect that takes next to nothing of a large gap is there beyond doubt.
+
+    A law of friction that is not quite the rig's leaves something too, which other effects take in
+    part. So such an effect is a cause only if it takes more than the best of many would, and what
+    it leaves is noise: of its size, with no readings off, and nothing else promises much.
+
+    Args:
+        before, after: with sharp friction.
+    """
+    took = before.cost - after.cost
+    if took <= CLEARLY + PER_AMPLITUDE * _amplitudes(after):
+        return False
+    if removable(after.fit) > NOISE_ALONE * after.fit.dof:
+        return False
+    if free_structure(setting, after.fit).p < (1.0 - IN_CATALOGUE) * LEVEL:
+        return False
+    seen = screen(after.fit, setting, skip=after.ids, states=False)
+    promised = max((s.drop for s in seen.scored), default=0.0)
+    return promised <= BESIDE * took or structure_test(seen, seed).p >= SEEN
+
+
+def _amplitudes(result: Refit) -> int:
+    """Of the effect that came last."""
+    return len(result.variants[-1].unknowns)
 
 
 def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:
@@ -219,7 +260,7 @@ def _most_promising(
         behind, error = gain(costs[id], costs[top], block)
         if id == top or (behind < TIE * error and behind < TIE_PART * gains[top][0]):
             tied.append(id)
-    return min(tied, key=lambda id: (len(refits[id].variants[-1].unknowns), -gains[id][0]))
+    return min(tied, key=lambda id: (_amplitudes(refits[id]), -gains[id][0]))
 
 
 def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:

@@ -218,7 +218,7 @@ def _gap(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, flo
 def _causes(
     setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least
 ) -> list[dict]:
-    table = _amplitude_intervals(setting, final)
+    table = _sizes(setting, final)
     out = []
     ids: list[str] = []
     for v in final.variants:
@@ -239,11 +239,7 @@ def _causes(
                 "channel": v.effect.channel,
                 "probability": probabilities.get(v.effect.id, 0.0),
                 "shrink": value,
-                "parameters": {
-                    **table[v.effect.id],
-                    **{n: {"value": float(x), "unit": _unit(v.effect, n), "ci95": None}
-                       for n, x in v.shapes},
-                },
+                "parameters": table[v.effect.id],
             }
         )  # fmt: skip
     return out
@@ -253,7 +249,8 @@ def _unit(effect, name: str) -> str:
     return next(s.unit for s in effect.shapes if s.name == name)
 
 
-def _amplitude_intervals(setting: Setting, final: Refit) -> dict[str, dict]:
+def _sizes(setting: Setting, final: Refit) -> dict[str, dict]:
+    """Amplitudes and shape constants of each cause; intervals of those that were fitted."""
     every = intervals(final.fit, setting)
     out: dict[str, dict] = {}
     for v in final.variants:
@@ -267,6 +264,9 @@ def _amplitude_intervals(setting: Setting, final: Refit) -> dict[str, dict]:
                 values = [final.fit.values.get(name, u.recording) for u in v.unknowns
                           if u.name == name]  # fmt: skip
                 mine[a.name] = {"value": values, "unit": a.unit, "ci95": None}
+        for name, x in v.shapes:
+            e = every.get(v.effect.qualified(name), {})
+            mine[name] = {"value": float(x), "unit": _unit(v.effect, name), "ci95": e.get("ci95")}
         out[v.effect.id] = mine
     return out
 

@@ -132,14 +132,17 @@ def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15)
 
 
 def _with_shapes(setting: Setting, result: Refit) -> tuple[list[Unknown], dict]:
-    """Unknowns and bounds with the continuous shape constants of the last effect."""
-    last = result.variants[-1]
+    """Unknowns and bounds with the continuous shape constants of all effects.
+
+    Of those before the last too: they were found beside less.
+    """
     unknowns, bounds = list(result.fit.unknowns), dict(setting.bounds)
-    for s in (s for s in last.effect.shapes if s.continuous):
-        name = last.effect.qualified(s.name)
-        bounds[name] = (min(s.grid) / 3.0, max(s.grid) * 3.0)
-        if Unknown(name) not in unknowns:
-            unknowns.append(Unknown(name))
+    for effect in (v.effect for v in result.variants):
+        for s in (s for s in effect.shapes if s.continuous):
+            name = effect.qualified(s.name)
+            bounds[name] = (min(s.grid) / 3.0, max(s.grid) * 3.0)
+            if Unknown(name) not in unknowns:
+                unknowns.append(Unknown(name))
     return unknowns, bounds
 
 
@@ -250,8 +253,8 @@ def sharper(setting: Setting, result: Refit) -> Refit:
 
 
 def _with_its_shapes(result: Refit, fit: Fit) -> Refit:
-    """A refit's model with another fit of it; the last effect's shape constants are that fit's."""
-    return Refit(fit, (*result.variants[:-1], _at(result.variants[-1], fit.values)))
+    """A refit's model with another fit of it, whose shape constants the effects get."""
+    return Refit(fit, tuple(_at(v, fit.values) for v in result.variants))
 
 
 def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
