@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tp_jax.blind import detectable
 from tp_jax.blind.detectable import (
     least_noncentrality,
     minimum_detectable,
@@ -71,3 +72,11 @@ def test_the_least_detectable_direction():
     least = least_noncentrality(SHORT, "bearing_position", any_way[2], shapes)
     assert 0.0 < least <= 1.1 * min(shown)
     assert shown[0] < shown[1]
+
+
+def test_a_run_that_has_next_to_nothing_of_it_does_not_say_how_it_shows(monkeypatch):
+    """What such a run shows comes of the others, through the numbers that all runs share."""
+    found, squares = np.array([10.0, 12.0, 5.0]), np.array([1.0, 1.0, 1e-6])
+    monkeypatch.setattr(detectable, "noncentralities", lambda *_: (found, squares))
+    least = detectable.least_noncentrality(None, "contact_repeatability", (1.0,), {})
+    assert least == pytest.approx(10.0 * squares.sum())
