@@ -23,6 +23,7 @@ from tp_jax._version import __version__ as __version__
 if TYPE_CHECKING:
     from tp_jax import effects as effects
     from tp_jax import report as report
+    from tp_jax._config import enable_compilation_cache as enable_compilation_cache
     from tp_jax.errors import InputError as InputError
     from tp_jax.estimation.identify import identify as identify
     from tp_jax.gap.diagnosis import Diagnosis as Diagnosis
@@ -61,6 +62,7 @@ _WITH_JAX = {
     "Sweep": ("tp_jax.simulation.sweep", "Sweep"),
     "Trajectory": ("tp_jax.simulation.solve", "Trajectory"),
     "diagnose": ("tp_jax.gap.diagnosis", "diagnose"),
+    "enable_compilation_cache": ("tp_jax._config", "enable_compilation_cache"),
     "effects": ("tp_jax.effects", None),
     "report": ("tp_jax.report", None),
     "identify": ("tp_jax.estimation.identify", "identify"),
@@ -87,6 +89,7 @@ __all__ = [
     "__version__",
     "diagnose",
     "effects",
+    "enable_compilation_cache",
     "identify",
     "load_campaign",
     "predict",

@@ -18,13 +18,14 @@ Three environment variables matter:
 `EQX_ON_ERROR`
     diffrax's checks of its own results keep a compiled program out of JAX's persistent cache
     unless this is `nan` (or `off`) *before* equinox is imported. The command line sets it first
-    thing, and so does whoever wants the cache in a script of their own. Under it a failed solve
+    thing, and so does `enable_compilation_cache` where equinox is not there yet. Under it a failed solve
     does not raise: it yields NaN, and the solver's result says why.
 `TP_JAX_CACHE`
     `off` keeps compiled programs in memory only.
 """
 
 import os
+import sys
 from pathlib import Path
 
 SMALL_LOOP = 16_000_000
@@ -66,11 +67,15 @@ def cache_folder() -> Path:
 def enable_compilation_cache() -> bool:
     """Keep compiled programs between runs; says whether that could be arranged.
 
-    To be called before the first array exists. A folder that cannot be made or written to is no
-    reason to stop: the programs are then compiled anew.
+    For scripts and notebooks; the command line does so by itself. To be called before anything
+    else of the package, and before equinox is imported. A folder that cannot be made or written to
+    is no reason to stop: the programs are then compiled anew. Under it a simulation that fails
+    yields NaN and says why in its result, where it would raise otherwise.
     """
     if os.environ.get("TP_JAX_CACHE", "").lower() == "off":
         return False
+    if "equinox" not in sys.modules:
+        os.environ.setdefault("EQX_ON_ERROR", "nan")
     try:
         folder = cache_folder()
         folder.mkdir(parents=True, exist_ok=True)

@@ -35,8 +35,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--model",
         choices=("before", "after"),
-        default="after",
-        help="without or with the effects found (default after)",
+        help="without or with the effects found (default after; before where none was found)",
     )
     parser.add_argument("--out", metavar="F.csv", help="default: standard output")
     add_common(parser)

@@ -95,7 +95,7 @@ def _column(d, B1, given, recordings) -> dict[str, float]:
     norm = np.sqrt((A**2).mean(axis=0)) + 1e-300
     positive = np.array([n in ("k", "c1", "M1", "B2") for n in terms])
     lower = np.where(positive, 0.0, -np.inf)
-    x = lsq_linear(A / norm, target, (lower, np.full(A.shape[1], np.inf))).x / norm
+    x = _bounded(A / norm, target, lower).x / norm
     v = {**dict(zip(terms, x, strict=True)), **given}
     k = v["k"] = max(v["k"], 1e-9)
     out = {"k": k, "c1": v["c1"], "M1": max(v["M1"], 1e-3 * np.abs(target).std())}
@@ -112,6 +112,12 @@ def _column(d, B1, given, recordings) -> dict[str, float]:
     return {n: float(x) for n, x in out.items()}
 
 
+def _bounded(A, y, lower):
+    # SciPy's trust region scales by the distance to bounds, and multiplies infinite ones by 0.
+    with np.errstate(invalid="ignore"):
+        return lsq_linear(A, y, (lower, np.full(A.shape[1], np.inf)))
+
+
 def _contact(d, B2) -> dict[str, float]:
     sliding = np.abs(d["v2"]) > max(0.1, 0.1 * float(np.abs(d["v2"]).max()))
     torque = -B2 * (d["a"] + d["a2"])
@@ -124,7 +130,7 @@ def _contact(d, B2) -> dict[str, float]:
     for rate in T0_GRID:
         A = np.stack([v, np.sign(v), np.sign(v) * -np.expm1(-rate * np.abs(v))], axis=1)
         norm = np.sqrt((A**2).mean(axis=0))
-        trial = lsq_linear(A / norm, y, (np.zeros(3), np.full(3, np.inf)))
+        trial = _bounded(A / norm, y, np.zeros(3))
         if trial.cost < best:
             best, fit, T0 = trial.cost, trial.x / norm, rate
     floor = 0.02 * np.abs(y).mean()

@@ -21,7 +21,7 @@ def predict(
     recording: str | Path | None = None,
     duration: float | None = None,
     rate: float | None = None,
-    model: str = "after",
+    model: str | None = None,
 ) -> Trajectory:
     """What the sensors would read on a run, before or after the causes are added.
 
@@ -34,7 +34,7 @@ def predict(
         recording: a file of the campaign whose drive and start are to be used.
         duration: length [s]; that of the recording if None.
         rate: samples per second; those of the recording if None.
-        model: "before" or "after".
+        model: "before" or "after"; None: after, or before where no cause was accepted.
 
     Returns:
         A `Trajectory` whose angles are readings (zero offsets and sensor effects included);
@@ -47,6 +47,8 @@ def predict(
     if sum(given) != 1:
         raise InputError("A prediction needs exactly one of omega, phi1 and recording.")
     try:
+        if model is None:
+            model = "before" if diagnosis["fits"]["after"] is None else "after"
         record = diagnosis["fits"][model]
     except (KeyError, TypeError):
         raise InputError(
