@@ -18,8 +18,8 @@ Three environment variables matter:
 `EQX_ON_ERROR`
     diffrax's checks of its own results keep a compiled program out of JAX's persistent cache
     unless this is `nan` (or `off`) *before* equinox is imported. The command line sets it first
-    thing, and so does `enable_compilation_cache` where equinox is not there yet. Under it a failed solve
-    does not raise: it yields NaN, and the solver's result says why.
+    thing, and so does `enable_compilation_cache` where equinox is not there yet. Under it a failed
+    solve does not raise: it yields NaN, and the solver's result says why.
 `TP_JAX_CACHE`
     `off` keeps compiled programs in memory only.
 """

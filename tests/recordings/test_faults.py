@@ -82,6 +82,7 @@ TOML_FAULTS = {
     ),
     "skip_lines": ("[rig]", "[format]\nskip_lines = -1\n[rig]", 4, ["skip_lines = 5"]),
     "prior of B2": ("B1 =", "B2 = { value = 5e-4 }\nB1 =", 4, ["lacks its sd", "sd = .."]),
+    "k without B1": ("B1 = 1.2e-3", "k = 0.4", 4, ["B1 is not", "B1 = 1 if k is per unit"]),
     "prior key": ("B1 =", "k = { value = 0.4, std = 1.0 }\nB1 =", 4, ['"std"', "sd"]),
     "text for number": ("B1 = 1.2e-3", 'B1 = "1.2e-3"', 4, ["B1 in [rig]", "without quotes"]),
     "flag for number": ("B1 = 1.2e-3", "B1 = true", 4, ["B1", "number"]),

@@ -102,5 +102,14 @@ def test_floor_pools_and_withstands_one_bad_recording(recording):
     assert noise_floor(runs) == pytest.approx({"phi1": 1e-3, "phi2": 2e-3}, rel=0.04)
 
 
+def test_a_channel_that_stood_still_says_nothing_of_its_noise(recording):
+    """A coarse reading of a rider that stuck, in most recordings."""
+    noisy = SINE + 2e-3 * np.random.default_rng(3).standard_normal(T.size)
+    still = np.zeros(T.size)
+    runs = [recording(t=T, phi1=noisy, phi2=y) for y in (still, still, noisy)]
+    assert noise_floor(runs)["phi2"] == pytest.approx(2e-3, rel=0.1)
+    assert noise_floor(runs[:2])["phi2"] == 0.0
+
+
 def test_floor_of_a_single_pendulum(recording):
     assert list(noise_floor([recording(phi2=None)])) == ["phi1"]

@@ -92,8 +92,8 @@ class Effect:
         uses_phi1: the increment depends on phi1 itself, so that its zero matters beyond the rest
             position; a nuisance where the drive is measured (with a sine it is one anyway).
         uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
-        relative: the amplitudes of the recordings matter only relative to each other (their common
-            part is a parameter's), so that the last recording's is held at zero.
+        relative: the parameter whose part the amplitude of each recording is, where that is so:
+            what they have in common is then the parameter's, and only their differences matter.
         n_states: number of states of its own, each in rad, zero where a run begins at rest.
         formula, source, looks_like: for people.
     """
@@ -106,7 +106,7 @@ class Effect:
     needs: ClassVar[frozenset[str]] = frozenset()
     uses_phi1: ClassVar[bool] = False
     uses_phi2: ClassVar[bool] = False
-    relative: ClassVar[bool] = False
+    relative: ClassVar[str] = ""
     n_states: ClassVar[int] = 0
     formula: ClassVar[str] = ""
     source: ClassVar[str] = ""

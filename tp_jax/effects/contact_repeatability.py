@@ -11,7 +11,7 @@ class ContactRepeatability(Effect):
     hook = "contact"
     amplitudes = (Amplitude("a", "1", typical=0.1, lower=-1.0, upper=1.0, per_recording=True),)
     needs = frozenset({"rider", "several"})
-    relative = True
+    relative = "Ts1"
     formula = "Ts1 (1 + a_r), sum of a_r = 0"
     source = "Section 6 of the paper"
     looks_like = "each recording alone fits well, all together do not"

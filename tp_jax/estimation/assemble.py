@@ -42,6 +42,10 @@ def fit_record(values: Values, ids: Sequence[str], labels: Sequence[str]) -> dic
             **{n: values.get(n) for n in ("phase", "gain", "level", "zero1")},
             "zero2": {label: values.get("zero2", i) for i, label in enumerate(labels)},
         },
+        "drift": {
+            label: [values.get("drift_middle", i), values.get("drift_rate", i)]
+            for i, label in enumerate(labels)
+        },
         "effects": {},
     }
     for id in ids:

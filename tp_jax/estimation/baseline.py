@@ -55,6 +55,7 @@ class Setting:
         priors: anchors from the campaign (name: value, sd).
         model: "newton" or "paper".
         bounds: by name, where the user gave them.
+        widths: (r,) samples of the window that smooths a recording.
     """
 
     campaign: Campaign
@@ -69,7 +70,7 @@ class Setting:
     priors: dict[str, tuple[float, float]]
     model: str
     bounds: dict[str, tuple[float, float]]
-    width: int
+    widths: np.ndarray
 
     @functools.cached_property
     def programs(self) -> Programs:
@@ -166,12 +167,14 @@ def prepare_campaign(
         if campaign.model == "single":
             effects = [e for e in effects if not e.about_rider]
     layout = Layout(campaign.model, tuple(effects))
-    step = float(np.median([np.median(np.diff(r.t)) for r in recordings]))
+    own = np.array([np.median(np.diff(r.t)) for r in recordings])
+    step = float(np.median(own))
     period = _period(fitted)
-    width = int(np.clip(round(period / 10.0 / step), 7, 25)) | 1
+    widths = np.clip(np.round(period / 10.0 / own), 7, 25).astype(int) | 1
     names = {"phi1": sigma[0], "phi2": sigma[1]}
-    prepared = tuple(prepare(r, names, width) for r in recordings)
-    horizons = _horizons(period, step, min(r.duration for r in fitted))
+    prepared = tuple(prepare(r, names, int(w)) for r, w in zip(recordings, widths, strict=True))
+    # what is shorter than a window is one window
+    horizons = _horizons(period, step, float(np.median([r.duration for r in fitted])))
     counts = [round(horizons[-1] / step) + 2]
     fixed = {"B1": campaign.B1 or 1.0}
     priors = {}
@@ -184,7 +187,7 @@ def prepare_campaign(
     fixed |= fix or {}
     return Setting(
         campaign, recordings, layout, prepared, noise, sigma, horizons, sample_capacity(counts),
-        fixed, priors, model, dict(bound or {}), width,
+        fixed, priors, model, dict(bound or {}), widths,
     )  # fmt: skip
 
 
@@ -205,7 +208,7 @@ def _period(recordings: Sequence[Recording]) -> float:
     return float(np.median(periods)) if periods else max(r.duration for r in recordings) / 10.0
 
 
-def _horizons(period: float, step: float, shortest: float) -> tuple[float, ...]:
+def _horizons(period: float, step: float, typical: float) -> tuple[float, ...]:
     """Window lengths: a quarter of a period (12 samples or more), then three and nine times that.
 
     The last is half a second at least, where the recordings are that long.
@@ -213,7 +216,7 @@ def _horizons(period: float, step: float, shortest: float) -> tuple[float, ...]:
     first = max(0.25 * period, 12 * step)
     last = max(6.0 * first, 0.5)
     ladder = [first, np.sqrt(first * last), last]
-    return tuple(float(min(h, 0.5 * shortest)) for h in ladder)
+    return tuple(float(min(h, 0.5 * typical)) for h in ladder)
 
 
 def initial_values(setting: Setting) -> Values:
@@ -223,13 +226,12 @@ def initial_values(setting: Setting) -> Values:
     fitted = [setting.recordings[i] for i in setting.fitted]
     given = {n: v for n, v in setting.fixed.items() if n in ("B2", "k")}
     sigma = {"phi1": setting.sigma[0], "phi2": setting.sigma[1]}
-    start = start_from_data(fitted, sigma, setting.width, B1, given)
+    start = start_from_data(fitted, sigma, setting.widths[setting.fitted], B1, given)
     if setting.model == "paper":  # the printed model with all of the column's numbers doubled
         for name in ("B2", "Tv", "Ts1", "Tst"):
             if name in start and name not in given:
                 start[name] *= 0.5
-    middle = [0.5 * (r.t[0] + r.t[-1]) for r in setting.recordings]
-    rate = [1.0 / r.duration for r in setting.recordings]
+    middle, rate = (list(each) for each in zip(*(r.drift for r in setting.recordings), strict=True))
     clocks = [r.start for r in setting.recordings]
     if all(c is not None for c in clocks):  # drifts run on the campaign's clock
         begin = min(c + r.t[0] for c, r in zip(clocks, setting.recordings, strict=True))

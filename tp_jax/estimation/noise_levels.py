@@ -39,7 +39,8 @@ def with_noise(setting: Setting, noise: dict[str, float]) -> Setting:
     """A campaign with other noise levels, by channel [rad]."""
     sigma = np.array([noise.get(n, s) for n, s in zip(CHANNELS, setting.sigma, strict=True)])
     by_name = dict(zip(CHANNELS, sigma, strict=True))
-    prepared = tuple(prepare(r, by_name, setting.width) for r in setting.recordings)
+    pairs = zip(setting.recordings, setting.widths, strict=True)
+    prepared = tuple(prepare(r, by_name, int(width)) for r, width in pairs)
     return dataclasses.replace(
         setting, noise={**setting.noise, **noise}, sigma=sigma, prepared=prepared
     )

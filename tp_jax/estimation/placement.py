@@ -93,6 +93,8 @@ def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: 
 
 def _least(count: np.ndarray, cost: np.ndarray, capacity: int) -> list[np.ndarray]:
     """Windows of one recording in as few lanes as hold them."""
+    if count.max(initial=0) > capacity:
+        raise ValueError(f"A window of {count.max()} samples is in no lane of {capacity}.")
     n = -(-int(count.sum()) // capacity)
     while True:
         found = _shared(count, cost, capacity, n)

@@ -25,7 +25,7 @@ T0_GRID = np.geomspace(0.5, 50.0, 9)
 def start_from_data(
     recordings: Sequence[Recording],
     sigma: dict[str, float],
-    width: int,
+    widths: Sequence[int] | np.ndarray,
     B1: float,
     given: dict[str, float],
 ) -> dict[str, float]:
@@ -34,12 +34,12 @@ def start_from_data(
     Args:
         recordings: those to be fitted.
         sigma: noise by channel [rad].
-        width: samples of the smoothing window.
+        widths: of each, samples of the smoothing window.
         B1: inertia of the column [kg m^2].
         given: values known beforehand (B2, k).
     """
     rows: list[dict[str, np.ndarray]] = []
-    for r in recordings:
+    for r, width in zip(recordings, map(int, widths), strict=True):
         one = local_polynomial(r.t, r.phi1, sigma["phi1"], width, ORDER)
         two = None
         if r.phi2 is not None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from tp_jax.effects import Effect
+from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import SENSORS
 
@@ -16,10 +17,25 @@ def conditions(setting: Setting) -> frozenset[str]:
         met.add("sine")
     if len(setting.fitted) > 1:
         met.add("several")
-    known = {"B2", "k"} & set(setting.fixed)
-    if setting.campaign.B1 is not None and known:
+    if setting.campaign.B1 is not None and "B2" in setting.fixed:
         met.add("inertias")
     return frozenset(met)
+
+
+def check_predictable(setting: Setting) -> None:
+    """Faults held-out recordings whose drive no fitted one tells anything of.
+
+    Raises:
+        InputError: all commanded, or all measured, drives are held out.
+    """
+    fitted = [setting.recordings[i] for i in setting.fitted]
+    for r in (setting.recordings[i] for i in setting.held_out):
+        if r.forced and not any(f.forced and f.measured_drive == r.measured_drive for f in fitted):
+            kind = "measured" if r.measured_drive else "commanded"
+            raise InputError(
+                f"Nothing is known of the drive of {r.label}, which is held out: no recording that "
+                f"is fitted has a {kind} drive; hold out another one, or add one."
+            )
 
 
 def why_not(effect: Effect, setting: Setting) -> str | None:
@@ -29,15 +45,18 @@ def why_not(effect: Effect, setting: Setting) -> str | None:
     missing = effect.needs - conditions(setting)
     if effect.about_rider and not setting.rider:
         missing = missing | {"rider"}
-    runs = [r for r in setting.recordings if r.forced and r.omega and not r.measured_drive]
-    seen = [effect.resolved(r.omega or 0.0, float(np.median(np.diff(r.t)))) for r in runs]
-    if not missing and seen and not all(seen):
+    sine = [r.omega if r.forced and not r.measured_drive else None for r in setting.recordings]
+    seen = [
+        effect.resolved(omega or 0.0, float(np.median(np.diff(r.t))))
+        for omega, r in zip(sine, setting.recordings, strict=True)
+    ]
+    if not missing and not all(seen):
         return "Does not apply: it is faster than the samples can show."
     words = {
         "rider": "it needs the angle of a rider",
         "sine": "it needs a commanded sine drive",
         "several": "it needs more than one recording",
-        "inertias": "it needs B1 and one of B2 and k from elsewhere",
+        "inertias": "it needs B1 and B2 from elsewhere",
     }
     if not missing:
         return None

@@ -274,6 +274,8 @@ def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
     best = choice.final.fit
     misfit = max(best.chi2_dof, 1.0)
     penalty = np.log(max(n_samples, 2))
+    # A linear prediction beyond the noise floor would be a promise nobody can keep.
+    floor = best.chi2_dof * choice.rounds[0].searched.dof
     scores: list[tuple[frozenset[str], float]] = []
     base = frozenset[str]()
     for r in choice.rounds:
@@ -288,10 +290,8 @@ def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
                 extra = len(r.refits[s.id].fit.unknowns) - q0
                 value = r.refits[s.id].cost / misfit + extra * penalty
             else:
-                # A linear prediction beyond the noise floor would be a promise nobody can keep.
-                floor = best.cost
                 value = max(cost - s.drop, floor) / misfit + q * penalty
-            offset = sum(len(v.unknowns) for v in choice.final.variants if v.effect.id in ids)
+            offset = q0 - len(choice.rounds[0].searched.unknowns)
             scores.append((ids | {s.id}, value + offset * penalty))
         if r.taken:
             base = base | {r.taken}

@@ -9,21 +9,23 @@ import numpy as np
 
 from tp_jax._version import __version__
 from tp_jax.effects import catalogue
+from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
-from tp_jax.gap.applicability import why_not
+from tp_jax.gap.applicability import check_predictable, why_not
 from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import SEEN, Choice, cause_probabilities, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.free_structure import free_structure
-from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, Shrink, evaluate, shrink
+from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.notes import notes
 from tp_jax.gap.refit import Refit, removable
+from tp_jax.gap.relative import told
 from tp_jax.gap.screen import Scored
 from tp_jax.gap.series import curves, recordings, residuals
 from tp_jax.gap.verdict import both, verdict
@@ -80,8 +82,14 @@ def diagnose(
     progress = progress or _silent
     campaign = hold_out(campaign)
     setting = prepare_campaign(campaign, model=model)
+    check_predictable(setting)
     setting.problem(setting.horizons[0]).compile_ahead(frozenset())
     baseline = grow(setting, initial_values(setting), setting.unknowns(), progress=progress)
+    if not np.isfinite(baseline.cost):
+        raise InputError(
+            "The model cannot be integrated through the recordings from any start; check the units "
+            "of times and angles, and that omega is in rad/s."
+        )
     choice = choose(setting, baseline, seed, progress)
     progress("reading the held-out recordings", None)
     result = _report(setting, choice, seed)
@@ -112,7 +120,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
             held[final.ids[0]] = after
     total = shrink(setting, before, after, seed, least)
     first = choice.rounds[0]
-    excess = _excess(baseline, least)
+    excess = _excess(setting, baseline, least)
     anything = {"before": free_structure(setting, baseline)}
     anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
     structure_p = both(first.structure.p, anything["before"].p)
@@ -126,8 +134,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         id: shrink(setting, before if h is after else begun, h, seed, least)
         for id, h in held.items()
     }
-    if no_gap:
-        final = Refit(baseline, ())
+    final = Refit(baseline, ()) if no_gap else told(final, setting.fitted)
     ids = final.ids
     start_before, free_before = _free(setting, baseline, horizon)
     start_after, free_after = (
@@ -168,8 +175,10 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "minimum_detectable": _detectable(choice),
         "absorbed": _absorbed(setting, baseline, final.fit) if ids else {},
         "fits": {
-            "before": fit_record(baseline.values, (), labels),
-            "after": fit_record(final.fit.values, ids, labels) if ids else None,
+            "before": fit_record(carried_over(baseline.values, setting), (), labels),
+            "after": fit_record(carried_over(final.fit.values, setting), ids, labels)
+            if ids
+            else None,
         },
         "parameters": intervals(final.fit, setting),
         "next_experiment": _next(setting, choice, no_gap),
@@ -181,13 +190,13 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
 
 
 def _common_horizon(setting: Setting, horizon: float) -> float:
-    shortest = min(setting.recordings[i].duration for i in setting.held_out)
-    return float(min(horizon, shortest))
+    longest = max(setting.recordings[i].duration for i in setting.held_out)
+    return float(min(horizon, longest))
 
 
-def _excess(baseline: Fit, least: Floor) -> float:
+def _excess(setting: Setting, baseline: Fit, least: Floor) -> float:
     """Standard errors by which the misfit exceeds the floor, its own uncertainty included."""
-    error = np.hypot(FLOOR_ERROR, np.sqrt(2.0 / max(baseline.dof, 1)))
+    error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(baseline.dof, 1)))
     error = np.hypot(error, np.sqrt(2.0 * np.sum(least.misfit**2)))
     # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
     return float((baseline.chi2_dof - 1.0 - least.misfit.sum()) / error)
@@ -261,8 +270,9 @@ def _sizes(setting: Setting, final: Refit) -> dict[str, dict]:
                 e = every[name]
                 mine[a.name] = {"value": e["value"], "unit": a.unit, "ci95": e["ci95"]}
             else:
-                values = [final.fit.values.get(name, u.recording) for u in v.unknowns
-                          if u.name == name]  # fmt: skip
+                own = [u.recording for u in v.unknowns if u.name == name]
+                own = setting.fitted if v.effect.relative else own
+                values = [final.fit.values.get(name, i) for i in own]
                 mine[a.name] = {"value": values, "unit": a.unit, "ci95": None}
         for name, x in v.shapes:
             e = every.get(v.effect.qualified(name), {})

@@ -157,7 +157,9 @@ def errors_of_readings(setting: Setting, fit: Fit) -> FreeColumns:
     for c in used:
         add(f"sensor{c + 1} wandering", {c: ramp}, {2 + c: slow})
     if setting.rider:
-        acceleration = (velocity[:, 1, 1] - velocity[:, 0, 1]) / since[:, 1]
+        gained, first = velocity[:, 1, 1] - velocity[:, 0, 1], since[:, 1]
+        # of a single sample between two gaps nothing is known
+        acceleration = np.divide(gained, first, out=np.zeros_like(first), where=first > 0.0)
         for delay, growth in ((np.ones_like(since), 0.0 * slow), (ramp, slow)):
             start = -velocity[:, 0, 1] * delay[:, 0]
             rate = -acceleration * delay[:, 0] - velocity[:, 0, 1] * growth

@@ -6,6 +6,7 @@ Read once, after the choice of causes is made.
 import dataclasses
 
 import numpy as np
+from scipy import stats
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Values
@@ -14,7 +15,9 @@ from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances
 
-FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its estimator
+FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its estimator, at least
+PER_SAMPLE = 3.0  # the same of one sample; falls with the root of their number
+FEW = 6  # windows, of which resampling alone would promise too much
 DRAWS = 2000
 
 
@@ -23,12 +26,14 @@ class HeldOut:
     """Windowed errors of one model on the held-out recordings.
 
     squares: (w, 2) sums of squares [rad^2] by window and channel; samples: (w, 2) samples less
-    estimated states; fit: the fit of the window states.
+    estimated states; fit: the fit of the window states; complete: whether the model could be
+    integrated through all windows (those through which it could not have no squares).
     """
 
     squares: np.ndarray
     samples: np.ndarray
     fit: Fit
+    complete: bool
 
     def mean_square(self, weight: np.ndarray | None = None) -> float:
         """Mean over channels of their mean squares [rad^2]; `weight` (w,) counts windows."""
@@ -42,9 +47,18 @@ class HeldOut:
 def carried_over(values: Values, setting: Setting) -> Values:
     """Numbers for recordings never fitted: what belongs to one recording becomes the mean."""
     table = values.table.copy()
+    running = table[setting.layout.index["running"]]
+    driven = [i for i in setting.fitted if running[i] > 0.0]
+    of_drive = {
+        e.qualified(a.name)
+        for e in setting.layout.effects if "sine" in e.needs
+        for a in e.amplitudes
+    }  # fmt: skip
     for i, p in enumerate(setting.layout.parameters):
         if p.scope == "recording" and p.name not in FIXED_BY_RECORDING:
-            table[i, setting.held_out] = table[i, setting.fitted].mean()
+            # a motor that stands has nothing to say of its speed
+            known = driven if p.name in of_drive and driven else setting.fitted
+            table[i, setting.held_out] = table[i, known].mean()
     return Values(values.layout, table)
 
 
@@ -75,7 +89,14 @@ def squares(result: Fit) -> HeldOut:
     valid = result.linearisation.valid[:, :-4].reshape(nw, -1, 2)
     error = (r.reshape(nw, -1, 2) * problem.sigma) * valid
     count = np.maximum(valid.sum(axis=1) - 2.0, 0.0)
-    return HeldOut((error**2).sum(axis=1), count, result)
+    complete = bool(result.linearisation.complete.all())
+    return HeldOut((error**2).sum(axis=1), count, result, complete)
+
+
+def floor_error(setting: Setting) -> float:
+    """Relative standard error of the noise's variance, which is an estimate from the samples."""
+    samples = sum(setting.recordings[i].n for i in setting.fitted)
+    return max(FLOOR_ERROR, PER_SAMPLE / float(np.sqrt(samples)))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,15 +113,19 @@ def shrink(
 ) -> Shrink:
     """1 - max(after^2 - floor^2, 0) / (before^2 - floor^2), windows resampled for its interval.
 
-    `least` is the floor; None: the noise alone.
+    `least` is the floor; None: the noise alone. A single window has no interval. All is None where
+    a model could not be integrated through a window: what it does there is no small error.
     """
+    if not (before.complete and after.complete):
+        return Shrink(None, None, True)
     least = least or noise_alone(setting)
     noise = float(np.mean([v**2 for v in least.noise.values()]))
     floor = float(np.mean([v**2 for v in least.total.values()]))
     rng = np.random.default_rng(seed)
     n = before.squares.shape[0]
     weights = rng.multinomial(n, np.full(n, 1.0 / n), size=DRAWS)
-    floors = noise * (1.0 + FLOOR_ERROR * rng.standard_normal(DRAWS)) + least.draws(rng, DRAWS)
+    error = floor_error(setting)
+    floors = noise * (1.0 + error * rng.standard_normal(DRAWS)) + least.draws(rng, DRAWS)
     gaps = np.array([before.mean_square(w) for w in weights]) - floors
     gap = before.mean_square() - floor
     significant = bool(np.quantile(gaps, 0.025) > 0.0)
@@ -110,4 +135,9 @@ def shrink(
     part = 1.0 - np.maximum(rest, 0.0) / gaps
     value = 1.0 - max(after.mean_square() - floor, 0.0) / gap
     low, high = np.quantile(part, [0.025, 0.975])
+    if n == 1:
+        return Shrink(float(value), None, True)
+    if n < FEW:
+        wider = stats.t.isf(0.025, n - 1) / stats.norm.isf(0.025) * np.sqrt(n / (n - 1))
+        low, high = value - wider * (value - low), value + wider * (high - value)
     return Shrink(float(value), (float(min(low, value)), float(max(high, value))), True)

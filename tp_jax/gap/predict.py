@@ -52,7 +52,8 @@ def predict(
         record = diagnosis["fits"][model]
     except (KeyError, TypeError):
         raise InputError(
-            f"The diagnosis holds no fit {model!r}; write it anew with `tp-jax diagnose`."
+            f"The diagnosis holds no fit {model or 'after'!r}; write it anew with `tp-jax "
+            "diagnose`."
         ) from None
     if record is None:
         raise InputError("The diagnosis accepted no cause, so that it has only a model 'before'.")
@@ -61,6 +62,11 @@ def predict(
     if duration is None or rate is None:
         raise InputError("A prediction needs a duration and a rate; give --duration and --rate.")
     t = times(0.0, duration, rate)
+    if omega is not None and not record["parameters"].get("A"):
+        raise InputError(
+            "The diagnosis knows no commanded drive, all its recordings being decays or of a "
+            "measured one; ask for --phi1 or --recording."
+        )
     drift = (0.5 * duration, 1.0 / duration)
     x0 = np.zeros(4)
     if phi1 is not None:
@@ -103,8 +109,8 @@ def _of_recording(diagnosis, record, file: Path, duration, rate) -> Trajectory:
         )
     sine = data.forced and not data.measured_drive
     drive = drive_for(record, omega=data.omega if sine else None, t=data.t, reading=data.drive)
-    middle, length = 0.5 * (data.t[0] + data.t[-1]), data.duration
-    m = pendulum(record, drive, data.label, (middle, 1.0 / length))
+    drift = (record.get("drift") or {}).get(data.label) or data.drift
+    m = pendulum(record, drive, data.label, tuple(drift))
     return readings_of(m, t, _start(diagnosis, record, data))
 
 
@@ -114,9 +120,11 @@ def _start(diagnosis, record, data) -> np.ndarray:
     for r in diagnosis.get("recordings") or []:
         if r["label"] == data.label and r["sha256"] == data.sha256 and r["start"].get(which):
             return np.asarray(r["start"][which], dtype=float)
-    x0 = np.zeros(4)
+    x0, zeros = np.zeros(4), record["nuisances"]
+    zero2 = zeros["zero2"]
+    own = zero2.get(data.label, float(np.mean(list(zero2.values()))))
     for i, y in enumerate((data.phi1, data.phi2)):
         if y is not None:
             fit = local_polynomial(data.t[:60], y[:60], 1.0, 15)
-            x0[i], x0[2 + i] = fit.value[0], fit.first[0]
+            x0[i], x0[2 + i] = fit.value[0] - (own if i else zeros["zero1"]), fit.first[0]
     return x0

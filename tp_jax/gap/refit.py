@@ -70,7 +70,6 @@ def refit(
     setting: Setting,
     before: Fit,
     variants: Sequence[Variant],
-    start: dict[str, float] | None = None,
     *,
     horizon: float | None = None,
     max_iterations: int = 20,
@@ -81,7 +80,6 @@ def refit(
         setting: the campaign.
         before: fit to start from (its unknowns are kept).
         variants: effects with shape constants, those of `before` included.
-        start: amplitudes to start from, by slot; what `before` has if None.
         horizon: window length; that of `before` if None.
         max_iterations: see `least_squares.fit`.
     """
@@ -93,8 +91,6 @@ def refit(
         unknowns += [u for u in v.unknowns if u not in unknowns]
     anchors += [Anchor(u, 0.0, WIDE) for v in variants for u in v.unknowns]
     unknowns += [u for u in extra if u not in unknowns]
-    if start:
-        values = _moved(values, start)
     problem, states = before.problem, before.states
     if horizon is not None and horizon != problem.windows.horizon:
         problem = setting.problem(horizon)
@@ -173,6 +169,7 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     *others, last = trial.variants
     constants = {last.effect.qualified(s.name) for s in last.effect.shapes}
     unknowns = [u for u in trial.fit.unknowns if u.name not in constants]  # from the grid
+    _, bounds = _with_shapes(setting, trial)
     target = trial.fit.problem.windows.horizon
     horizons = [*(h for h in setting.horizons if h < 0.99 * target), target]
     stuck = [u for u, b in zip(before.unknowns, before.at_bound, strict=True) if b]
@@ -184,7 +181,7 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     problem = setting.problem(horizons[0])
     for variant in variants(last.effect, setting):
         found = fit(
-            problem, start.replace(variant.settings), unknowns, bounds=setting.bounds,
+            problem, start.replace(variant.settings), unknowns, bounds=bounds,
             anchors=trial.fit.anchors, max_iterations=max_iterations // 2,
             tolerance=10.0 * _coarse(before), relative=0.0,
         )  # fmt: skip
@@ -195,7 +192,7 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
         problem = setting.problem(horizon)
         best = fit(
             problem, best.values, unknowns, handed_on(best, problem),
-            bounds=setting.bounds, anchors=trial.fit.anchors, max_iterations=max_iterations,
+            bounds=bounds, anchors=trial.fit.anchors, max_iterations=max_iterations,
             tolerance=_coarse(before), relative=0.0,
         )  # fmt: skip
     log.info("%s regrown, %s: chi2/dof %.4g, %s",
@@ -208,13 +205,6 @@ def _inside(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:
     """Values off their bounds, for parameters that end at zero."""
     stuck = [u for u in stuck if parameter(problem, u).transform == "identity"]
     return {u.name: 0.2 * parameter(problem, u).typical for u in stuck}
-
-
-def _moved(values: Values, start: dict[str, float]) -> Values:
-    table = values.table.copy()
-    for name, value in start.items():
-        table[values.layout.index[name]] = value
-    return Values(values.layout, table)
 
 
 def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
@@ -263,8 +253,8 @@ def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
     What is still wrong with a model shows most over long times, and so does what its parameters
     should be to make the best of it. For a model that leaves noise alone it changes nothing.
     """
-    shortest = min(setting.recordings[i].duration for i in setting.fitted)
-    horizon = min(factor * result.fit.problem.windows.horizon, shortest)
+    longest = max(setting.recordings[i].duration for i in setting.fitted)
+    horizon = min(factor * result.fit.problem.windows.horizon, longest)
     step = float(np.median(np.diff(setting.prepared[setting.fitted[0]].t)))
     if horizon / step > MOST_SAMPLES:
         return result
@@ -282,13 +272,3 @@ def removable(fit: Fit) -> float:
     """Sum of squares beyond what noise alone would leave."""
     r = fit.linearisation.r[:, :-4]
     return float((r**2).sum()) - fit.dof
-
-
-def amplitudes(result: Refit) -> dict[str, np.ndarray]:
-    """Fitted amplitudes by slot (one number, or one per recording)."""
-    out: dict[str, np.ndarray] = {}
-    for v in result.variants:
-        for u in v.unknowns:
-            row = result.fit.values.layout.index[u.name]
-            out[u.name] = result.fit.values.table[row]
-    return out

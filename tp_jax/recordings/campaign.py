@@ -5,6 +5,8 @@ from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from tp_jax.recordings.calibration_error import CalibrationError, read_calibration_error
 from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
 from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
@@ -129,6 +131,12 @@ def _load(toml: Path, plan: Plan) -> Campaign:
         check_recording(recording, plan.sample_rate)
         recordings.append(recording)
     _check_overlaps(toml, plan, recordings)
+    if model == "double" and not any(np.ptp(r.phi2) for r in recordings):
+        raise CampaignError(
+            recordings[0].file,
+            f"phi2 is {recordings[0].phi2[0]:g} throughout, and does not move in any recording",
+            'check the sensor, or write model = "single" under [rig] if there is no rider',
+        )
     return Campaign(
         name=plan.name,
         model=model,

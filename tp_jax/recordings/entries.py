@@ -78,6 +78,7 @@ def read_plan(file: Path) -> Plan:
             file, "the campaign has no recordings", "add a [[recording]] with its file"
         )
     _check_entries(file, entries)
+    _check_scale(rig)
     return Plan(
         name=top.text("name") or file.resolve().parent.name,
         model=cast(Model | None, model),
@@ -88,6 +89,17 @@ def read_plan(file: Path) -> Plan:
         form=_format(top.section("format")),
         entries=entries,
     )
+
+
+def _check_scale(rig: Section) -> None:
+    """Without B1 the model's torques are per unit of it, and a number in SI units is not."""
+    for key in ("B2", "k"):
+        if key in rig.values and "B1" not in rig.values:
+            rig.fault(
+                f"{key} is given but B1 is not, and all torques are then per unit of B1",
+                f"give B1 as well, or B1 = 1 if {key} is per unit of it",
+                key,
+            )
 
 
 def _known(rig: Section, key: str) -> Known | None:

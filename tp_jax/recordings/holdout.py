@@ -55,12 +55,13 @@ def _whole(recordings: Sequence[Recording]) -> Recording:
 def _cut(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     longest = max(recordings, key=lambda each: each.duration)
     t = longest.t
+    over = longest.drift_over or (float(t[0]), float(t[-1]))
     until = t[0] + FITTED_SHARE * (_end_of_motion(longest) - t[0])
     i = int(np.clip(np.searchsorted(t, until), 1, t.size - 1))
     at = float(0.5 * (t[i - 1] + t[i]))  # no sample is in both parts
     parts = (
-        longest.cut(float(t[0]), at),
-        replace(longest.cut(at, float(t[-1])), held_out=True),
+        replace(longest.cut(float(t[0]), at), drift_over=over),
+        replace(longest.cut(at, float(t[-1])), drift_over=over, held_out=True),
     )
     return tuple(part for each in recordings for part in (parts if each is longest else (each,)))
 

@@ -65,16 +65,20 @@ def noise_level(t: np.ndarray, y: np.ndarray) -> float:
 def noise_floor(recordings: Iterable[Recording]) -> dict[str, float]:
     """Noise level of each channel, pooled over recordings.
 
-    The median of the variances: one recording with a disturbance does not set the level of all.
+    The median of the variances: one recording with a disturbance does not set the level of all. A
+    channel that is constant in a recording, a coarse reading of a body that stood still, says
+    nothing of its noise there.
 
     Returns:
-        "phi1" (and "phi2" where measured) -> standard deviation [rad].
+        "phi1" (and "phi2" where measured) -> standard deviation [rad]; 0 if constant in all.
     """
     variances: dict[str, list[float]] = {}
     for recording in recordings:
         for name, values in recording.channels.items():
-            variances.setdefault(name, []).append(noise_level(recording.t, values) ** 2)
-    return {name: float(np.sqrt(np.median(each))) for name, each in variances.items()}
+            mine = variances.setdefault(name, [])
+            if np.ptp(values) > 0.0:
+                mine.append(noise_level(recording.t, values) ** 2)
+    return {n: float(np.sqrt(np.median(each))) if each else 0.0 for n, each in variances.items()}
 
 
 def quantum(y: np.ndarray) -> float:

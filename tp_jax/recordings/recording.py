@@ -33,6 +33,8 @@ class Recording:
         repeat: the group of recordings of the same setting that this one is of.
         held_out: never fitted, only predicted and scored.
         sha256: of the file's bytes.
+        drift_over: (t0, t1) [s] that slow drifts run over; None: the recording. The parts of one
+            that was cut keep the clock of the whole.
         calibration_error: channel -> how far its calibration may have put it off; channels of
             which that is not known are absent.
     """
@@ -52,6 +54,7 @@ class Recording:
     held_out: bool
     sha256: str
     calibration_error: Mapping[str, CalibrationError] = field(default_factory=dict)
+    drift_over: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         for name in ("t", "phi1", "phi2", "drive"):
@@ -81,6 +84,12 @@ class Recording:
         """The measured angles, name -> (n,) values [rad]."""
         both = {"phi1": self.phi1, "phi2": self.phi2}
         return {name: values for name, values in both.items() if values is not None}
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """Middle [s] and rate [1/s] of the clock of slow drifts, -1/2 to 1/2 over the recording."""
+        begin, end = self.drift_over or (float(self.t[0]), float(self.t[-1]))
+        return 0.5 * (begin + end), 1.0 / (end - begin)
 
     @property
     def clock(self) -> np.ndarray | None:

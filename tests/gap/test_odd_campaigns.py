@@ -1,0 +1,187 @@
+"""Campaigns that are legal and unusual: rates, lengths and drives that differ."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import tp_jax as tp
+from tests.rigs import synthetic_campaign, synthetic_values
+from tp_jax.effects import catalogue
+from tp_jax.errors import InputError
+from tp_jax.estimation.assemble import fit_record
+from tp_jax.estimation.baseline import initial_values, prepare_campaign
+from tp_jax.estimation.placement import place
+from tp_jax.estimation.windows import Windows
+from tp_jax.gap.applicability import check_predictable, why_not
+from tp_jax.gap.choice import cause_probabilities
+from tp_jax.gap.free_run import start_state
+from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, carried_over, floor_error, shrink
+from tp_jax.gap.relative import centred
+from tp_jax.recordings import hold_out
+
+
+def campaign_of(*changes: dict) -> tp.Campaign:
+    """The synthetic campaign (a decay, 13.09 and 17 rad/s) with its recordings changed."""
+    campaign = synthetic_campaign()
+    runs = [
+        dataclasses.replace(r, **change)
+        for r, change in zip(campaign.recordings, changes, strict=True)
+    ]
+    return dataclasses.replace(campaign, recordings=tuple(runs))
+
+
+def resampled(recording, rate: float) -> dict:
+    t = np.arange(round(recording.duration * rate) + 1) / rate
+    return {
+        "t": t,
+        "phi1": np.interp(t, recording.t, recording.phi1),
+        "phi2": np.interp(t, recording.t, recording.phi2),
+    }
+
+
+def test_a_held_out_run_of_ten_times_the_rate():
+    """Its first window has more samples than any that was planned for."""
+    fast = resampled(synthetic_campaign().recordings[1], 2500.0)
+    setting = prepare_campaign(campaign_of({}, fast | {"held_out": True}, {}), effects=())
+    found = start_state(setting, synthetic_values(setting), 1, 0.75)
+    np.testing.assert_allclose(found[:2], 0.0, atol=5e-3)
+
+
+def test_a_window_that_is_in_no_lane_is_said_to_be():
+    with pytest.raises(ValueError, match="1500 samples"):
+        place(Windows(np.array([0]), np.array([0]), np.array([1500]), 1.0), np.ones(1), 1024, 8)
+
+
+def test_each_recording_is_smoothed_by_its_own_rate():
+    """A window of as many samples would span a whole period of the slow one."""
+    slow = resampled(synthetic_campaign().recordings[1], 50.0)
+    setting = prepare_campaign(campaign_of({}, slow, {}), effects=())
+    alone = prepare_campaign(campaign_of({}, {}, {}), effects=())
+    assert setting.widths[1] < setting.widths[0] == setting.widths[2] == alone.widths[1]
+    error = setting.prepared[1].smooth[:, 0] - slow["phi1"]
+    assert np.abs(error).max() < 5e-3
+
+
+def test_one_short_run_does_not_shorten_the_windows_of_all():
+    campaign = synthetic_campaign()
+    runs = (campaign.recordings[0].cut(0.0, 0.3), *campaign.recordings[1:])
+    short = dataclasses.replace(campaign, recordings=runs)
+    assert prepare_campaign(short, effects=()).horizons[-1] > 0.5
+
+
+def test_the_parts_of_a_cut_recording_share_the_clock_of_drifts():
+    campaign = synthetic_campaign()
+    one = dataclasses.replace(campaign, recordings=campaign.recordings[1:2])
+    setting = prepare_campaign(hold_out(one), effects=())
+    values = initial_values(setting)
+    for name, wanted in (("drift_middle", 1.5), ("drift_rate", 1.0 / 3.0)):
+        row = values.table[values.layout.index[name]]
+        np.testing.assert_allclose(row, wanted)
+    record = fit_record(values, (), [r.label for r in setting.recordings])
+    assert list(record["drift"].values()) == [pytest.approx([1.5, 1.0 / 3.0])] * 2
+
+
+@pytest.mark.parametrize("drive", ["commanded", "measured"])
+def test_a_drive_of_which_nothing_is_known(drive):
+    meter = {} if drive == "commanded" else {"drive": np.zeros(751), "omega": None}
+    held = meter | {"held_out": True}
+    check_predictable(prepare_campaign(campaign_of({}, meter, held), effects=()))
+    setting = prepare_campaign(campaign_of({}, held, held), effects=())
+    with pytest.raises(InputError, match=f"run-13.csv.*no recording.*a {drive} drive"):
+        check_predictable(setting)
+
+
+def test_a_base_faster_than_a_decays_samples():
+    slow = [resampled(r, 6.0) for r in synthetic_campaign().recordings]
+    decays = [{"forced": False, "omega": None}] * 3
+    base = catalogue()["base_compliance"]
+    assert why_not(base, prepare_campaign(campaign_of(*decays), effects=[base])) is None
+    coarse = [a | b for a, b in zip(slow, decays, strict=True)]
+    assert "faster" in why_not(base, prepare_campaign(campaign_of(*coarse), effects=[base]))
+
+
+def held_out(squares, complete: bool = True) -> HeldOut:
+    squares = np.asarray(squares, dtype=float)
+    return HeldOut(squares, np.full(squares.shape, 100.0), None, complete)
+
+
+def shrunk(before, after):
+    setting = SimpleNamespace(
+        fitted=[0], recordings=[SimpleNamespace(n=250_000)], noise={"phi1": 1e-3, "phi2": 1e-3}
+    )
+    return shrink(setting, before, after, 0)
+
+
+def test_what_cannot_be_integrated_is_no_small_error():
+    large, small = np.full((8, 2), 1e-2), np.full((8, 2), 1e-4)
+    assert shrunk(held_out(large), held_out(small)).ci95 is not None
+    for before, after in ((True, False), (False, True)):
+        found = shrunk(held_out(large, before), held_out(small, after))
+        assert (found.value, found.ci95, found.significant) == (None, None, True)
+
+
+def test_few_windows_promise_little():
+    rng = np.random.default_rng(0)
+    before, after = 1e-2 * rng.uniform(0.5, 1.5, (8, 2)), 1e-3 * rng.uniform(0.5, 1.5, (8, 2))
+    widths = []
+    for n in (8, 3):
+        low, high = shrunk(held_out(before[:n]), held_out(after[:n])).ci95
+        widths.append(high - low)
+    assert widths[1] > 2.0 * widths[0]
+    alone = shrunk(held_out(before[:1]), held_out(after[:1]))
+    assert alone.value is not None
+    assert alone.ci95 is None
+
+
+def test_the_noise_of_few_samples_is_known_less_well():
+    def of(n):
+        return floor_error(SimpleNamespace(fitted=[0], recordings=[SimpleNamespace(n=n)]))
+
+    assert of(15_000) == FLOOR_ERROR
+    assert of(500) == pytest.approx(0.13, abs=0.01)
+
+
+def test_a_motor_at_rest_says_nothing_of_its_speed():
+    campaign = campaign_of({}, {}, {"held_out": True})
+    setting = prepare_campaign(campaign, effects=[catalogue()["drive_frequency"]])
+    values = initial_values(setting).replace({"drive_frequency.a": [0.0, 0.1, 0.0]})
+    assert carried_over(values, setting).get("drive_frequency.a", 2) == 0.1
+
+
+def test_relative_amplitudes_are_told_about_their_mean():
+    effect = catalogue()["contact_repeatability"]
+    setting = prepare_campaign(campaign_of({}, {}, {}), effects=[effect])
+    values = synthetic_values(setting).replace({"contact_repeatability.a": [0.3, -0.1, 0.0]})
+    told = centred(values, [effect], setting.fitted)
+    a, same = (v.table[v.layout.index["contact_repeatability.a"]] for v in (told, values))
+    assert a.sum() == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(
+        told.get("Ts1") * (1.0 + a), values.get("Ts1") * (1.0 + same), rtol=1e-12
+    )
+
+
+def test_later_rounds_are_charged_for_the_shape_constants_of_the_first():
+    """Else any effect beside the cause would seem likelier than the cause alone."""
+
+    def scored(id, drop):
+        return SimpleNamespace(id=id, drop=drop, variant=SimpleNamespace(unknowns=(id,)))
+
+    def refitted(cost, unknowns):
+        return SimpleNamespace(cost=cost, fit=SimpleNamespace(unknowns=[0] * unknowns))
+
+    def round_(cost, unknowns, drops, refits, taken):
+        fit = SimpleNamespace(cost=cost, unknowns=[0] * unknowns, dof=25_000)
+        screen = SimpleNamespace(best=lambda: [scored(id, drop) for id, drop in drops])
+        return SimpleNamespace(searched=fit, screen=screen, refits=refits, taken=taken)
+
+    nothing = [(f"null{i}", 1.0) for i in range(25)]
+    rounds = (
+        round_(40_000.0, 9, [("cause", 14_000.0)], {"cause": refitted(25_000.0, 12)}, "cause"),
+        round_(25_000.0, 12, nothing, {}, None),
+    )
+    final = SimpleNamespace(fit=SimpleNamespace(chi2_dof=1.0), variants=())
+    found = cause_probabilities(SimpleNamespace(rounds=rounds, final=final), 25_000)
+    assert found["cause"] > 0.99
+    assert sum(found[f"null{i}"] for i in range(25)) < 0.3
