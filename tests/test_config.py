@@ -104,3 +104,19 @@ def test_using_a_name_sets_them_before_anything_is_compiled():
         cwd=Path(__file__).parent.parent, env=os.environ | {"XLA_FLAGS": own},
     )  # fmt: skip
     assert done.stdout.split() == [own, FLAG]
+
+
+@pytest.mark.parametrize(("before", "wanted"), [("", "nan"), ("import equinox; ", "unset")])
+def test_the_cache_in_a_script(before, wanted, tmp_path):
+    """Checks that keep programs out of the cache are set aside, where that is still possible."""
+    code = (
+        f"{before}import os, tp_jax as tp; kept = tp.enable_compilation_cache(); "
+        "print(kept, os.environ.get('EQX_ON_ERROR', 'unset'))"
+    )
+    keep = {"XDG_CACHE_HOME": str(tmp_path), "PATH": os.environ["PATH"]}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=keep, capture_output=True, text=True, check=True,
+        cwd=Path(__file__).parent.parent,
+    )  # fmt: skip
+    assert done.stdout.split() == ["True", wanted]
+    assert (tmp_path / "tp-jax" / "xla").is_dir()
