@@ -150,6 +150,22 @@ def test_a_motor_at_rest_says_nothing_of_its_speed():
     assert carried_over(values, setting).get("drive_frequency.a", 2) == 0.1
 
 
+def test_a_drive_that_is_off_by_chance_says_little_of_the_next_run():
+    campaign = synthetic_campaign()
+    runs = [dataclasses.replace(campaign.recordings[1], label=f"{i}") for i in range(5)]
+    runs[4] = dataclasses.replace(runs[4], held_out=True)
+    campaign = dataclasses.replace(campaign, recordings=tuple(runs))
+    setting = prepare_campaign(campaign, effects=[catalogue()["drive_frequency"]])
+
+    def expected(*a):
+        values = initial_values(setting).replace({"drive_frequency.a": [*a, 0.0]})
+        return carried_over(values, setting).get("drive_frequency.a", 4)
+
+    assert expected(0.1, 0.1, 0.1, 0.1) == pytest.approx(0.1)
+    assert expected(0.11, 0.09, 0.1, 0.1) == pytest.approx(0.1, rel=0.01)
+    assert expected(0.1, -0.1, 0.08, -0.06) == 0.0
+
+
 def test_relative_amplitudes_are_told_about_their_mean():
     effect = catalogue()["contact_repeatability"]
     setting = prepare_campaign(campaign_of({}, {}, {}), effects=[effect])

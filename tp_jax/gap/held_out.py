@@ -45,7 +45,11 @@ class HeldOut:
 
 
 def carried_over(values: Values, setting: Setting) -> Values:
-    """Numbers for recordings never fitted: what belongs to one recording becomes the mean."""
+    """Numbers for recordings never fitted, of what belongs to one recording.
+
+    The mean of the fitted ones; of a drive's error, which may be the same in all runs or another in
+    each, as much of it as the runs have in common.
+    """
     table = values.table.copy()
     running = table[setting.layout.index["running"]]
     driven = [i for i in setting.fitted if running[i] > 0.0]
@@ -57,9 +61,21 @@ def carried_over(values: Values, setting: Setting) -> Values:
     for i, p in enumerate(setting.layout.parameters):
         if p.scope == "recording" and p.name not in FIXED_BY_RECORDING:
             # a motor that stands has nothing to say of its speed
-            known = driven if p.name in of_drive and driven else setting.fitted
-            table[i, setting.held_out] = table[i, known].mean()
+            ours = p.name in of_drive and bool(driven)
+            expected = _in_common(table[i, driven]) if ours else table[i, setting.fitted].mean()
+            table[i, setting.held_out] = expected
     return Values(values.layout, table)
+
+
+def _in_common(x: np.ndarray) -> float:
+    """What to expect of another run: the mean, drawn to zero by as much as chance would make it.
+
+    The positive part of James and Stein (1961).
+    """
+    if x.size == 1:
+        return float(x[0])
+    mean, error = float(x.mean()), float(x.var(ddof=1)) / x.size
+    return mean * max(0.0, 1.0 - error / max(mean**2, 1e-300))
 
 
 FIXED_BY_RECORDING = ("omega", "running", "metered", "drift_middle", "drift_rate")
