@@ -184,20 +184,25 @@ def test_later_rounds_are_charged_for_the_shape_constants_of_the_first():
     def scored(id, drop):
         return SimpleNamespace(id=id, drop=drop, variant=SimpleNamespace(unknowns=(id,)))
 
+    def some(unknowns):
+        return [SimpleNamespace(name="any")] * unknowns
+
     def refitted(cost, unknowns):
-        return SimpleNamespace(cost=cost, fit=SimpleNamespace(unknowns=[0] * unknowns))
+        return SimpleNamespace(cost=cost, fit=SimpleNamespace(unknowns=some(unknowns)))
 
     def round_(cost, unknowns, drops, refits, taken):
-        fit = SimpleNamespace(cost=cost, unknowns=[0] * unknowns, dof=25_000)
+        fit = SimpleNamespace(cost=cost, unknowns=some(unknowns), problem=problem)
         screen = SimpleNamespace(best=lambda: [scored(id, drop) for id, drop in drops])
         return SimpleNamespace(searched=fit, screen=screen, refits=refits, taken=taken)
 
+    problem = SimpleNamespace(windows=SimpleNamespace(n=60))
     nothing = [(f"null{i}", 1.0) for i in range(25)]
     rounds = (
         round_(40_000.0, 9, [("cause", 14_000.0)], {"cause": refitted(25_000.0, 12)}, "cause"),
         round_(25_000.0, 12, nothing, {}, None),
     )
-    final = SimpleNamespace(fit=SimpleNamespace(chi2_dof=1.0), variants=())
+    best = SimpleNamespace(chi2_dof=1.0, cost=24_990.0, problem=problem)
+    final = SimpleNamespace(fit=best, variants=())
     found = cause_probabilities(SimpleNamespace(rounds=rounds, final=final), 25_000)
     assert found["cause"] > 0.99
     assert sum(found[f"null{i}"] for i in range(25)) < 0.3

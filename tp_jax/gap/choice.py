@@ -35,6 +35,7 @@ SMOOTHING = 0.5  # of what is left: if sharper friction takes so much, it is loo
 LITTLE = 0.5  # of the noise's variance: less is looked at with sharp friction too
 LEAST_PART = 0.01  # of the removable gap that a cause must take with it, or be the last of it
 CLEARLY = 64.0  # twice a logarithm of likelihoods, of a cause that takes less
+ZEROS = ("zero1", "zero2")
 BESIDE = 0.25  # of what it takes: what others may still promise
 
 
@@ -274,8 +275,10 @@ def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
     best = choice.final.fit
     misfit = max(best.chi2_dof, 1.0)
     penalty = np.log(max(n_samples, 2))
-    # A linear prediction beyond the noise floor would be a promise nobody can keep.
-    floor = best.chi2_dof * choice.rounds[0].searched.dof
+    # A linear prediction beyond the noise floor would be a promise nobody can keep. Sums of squares
+    # over longer windows are no such floor.
+    last = choice.rounds[-1].searched
+    floor = best.cost if best.problem.windows.n == last.problem.windows.n else last.cost
     scores: list[tuple[frozenset[str], float]] = []
     base = frozenset[str]()
     for r in choice.rounds:
@@ -283,15 +286,15 @@ def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
         cost = r.searched.cost
         if not scores:
             scores.append((ids, cost / misfit))
-        q0 = len(r.searched.unknowns)
+        q0 = _charged(r.searched)
         for s in r.screen.best():
             q = len(s.variant.unknowns)
             if s.id in r.refits:
-                extra = len(r.refits[s.id].fit.unknowns) - q0
+                extra = _charged(r.refits[s.id].fit) - q0
                 value = r.refits[s.id].cost / misfit + extra * penalty
             else:
                 value = max(cost - s.drop, floor) / misfit + q * penalty
-            offset = q0 - len(choice.rounds[0].searched.unknowns)
+            offset = q0 - _charged(choice.rounds[0].searched)
             scores.append((ids | {s.id}, value + offset * penalty))
         if r.taken:
             base = base | {r.taken}
@@ -300,6 +303,11 @@ def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
     total = sum(w for _, w in weights)
     names = {id for ids, _ in weights for id in ids}
     return {id: sum(w for ids, w in weights if id in ids) / total for id in names}
+
+
+def _charged(fit: Fit) -> int:
+    """Unknowns that cost a model likelihood; the zeros of angles have priors, which do that."""
+    return sum(u.name not in ZEROS for u in fit.unknowns)
 
 
 def tied_by_gain(choice: Choice, setting: Setting) -> list[list[str]]:
