@@ -33,7 +33,7 @@ class HeldOut:
     squares: np.ndarray
     samples: np.ndarray
     fit: Fit
-    complete: bool
+    complete: bool = True
 
     def mean_square(self, weight: np.ndarray | None = None) -> float:
         """Mean over channels of their mean squares [rad^2]; `weight` (w,) counts windows."""
