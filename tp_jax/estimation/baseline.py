@@ -16,7 +16,7 @@ from tp_jax.effects import Effect, catalogue
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.least_squares import Anchor, Fit
 from tp_jax.estimation.least_squares import fit as fit_together
-from tp_jax.estimation.problem import Problem, sample_capacity
+from tp_jax.estimation.problem import Problem, room, sample_capacity
 from tp_jax.estimation.program import Programs
 from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.variable_projection import fit
@@ -113,7 +113,7 @@ class Setting:
         windows = cut([self.prepared[i] for i in which], horizon)
         windows = dataclasses.replace(windows, recording=np.array(which)[windows.recording])
         # Windows longer than planned for take a larger block, and with it another compilation.
-        capacity = max(self.capacity, sample_capacity(windows.count.tolist()))
+        capacity = room(windows, self.capacity)
         return Problem(
             self.layout, self.prepared, windows, self.sigma, capacity, self.fixed["B1"],
             programs=self.programs,

@@ -24,6 +24,11 @@ def sample_capacity(counts: Sequence[int]) -> int:
     return next((s for s in _SIZES if s >= most), most)
 
 
+def room(windows: Windows, least: int) -> int:
+    """Samples a lane must hold for these windows: `least`, or more where one of them is longer."""
+    return max(least, sample_capacity(windows.count.tolist()))
+
+
 @dataclasses.dataclass
 class Linearisation:
     """Weighted residuals of all windows and their derivatives.

@@ -9,7 +9,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit
-from tp_jax.estimation.problem import Problem, columns, sample_capacity, spread
+from tp_jax.estimation.problem import Problem, columns, room, spread
 from tp_jax.estimation.windows import Prepared, cut
 from tp_jax.gap.screen import Scored, pseudo_inverse
 
@@ -56,7 +56,7 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
             channels = np.array([True, setting.rider])
             prepared.append(Prepared(t, y, channels, smooth, sd, None))
         windows = cut(prepared, fit.problem.windows.horizon)
-        capacity = max(setting.capacity, sample_capacity(windows.count.tolist()))
+        capacity = room(windows, setting.capacity)
         return Problem(
             setting.layout, tuple(prepared), windows, setting.sigma, capacity,
             setting.fixed["B1"], programs=setting.programs,

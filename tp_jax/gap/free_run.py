@@ -6,7 +6,7 @@ import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.problem import Problem, sample_capacity
+from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.held_out import carried_over
@@ -23,7 +23,7 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
     count = int(np.searchsorted(p.t, p.t[0] + horizon, side="right"))
     count = min(count, stretches(p.t)[0].stop)
     windows = Windows(np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon)
-    capacity = max(setting.capacity, sample_capacity(windows.count.tolist()))
+    capacity = room(windows, setting.capacity)
     problem = Problem(
         setting.layout, setting.prepared, windows, setting.sigma, capacity, setting.fixed["B1"],
         programs=setting.programs,

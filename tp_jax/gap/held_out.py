@@ -16,7 +16,7 @@ from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances
 
 FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its estimator, at least
-PER_SAMPLE = 3.0  # the same of one sample; falls with the root of their number
+PER_SAMPLE = 3.0  # times the root of the samples: fifth differences, and a median over recordings
 FEW = 6  # windows, of which resampling alone would promise too much
 DRAWS = 2000
 
@@ -70,7 +70,8 @@ def carried_over(values: Values, setting: Setting) -> Values:
 def _in_common(x: np.ndarray) -> float:
     """What to expect of another run: the mean, drawn to zero by as much as chance would make it.
 
-    The positive part of James and Stein (1961).
+    The square of a mean is too large by the mean's variance, on average; what is left of it says
+    how far the runs agree (an empirical Bayes factor by moments, zero at least).
     """
     if x.size == 1:
         return float(x[0])

@@ -7,8 +7,6 @@ relative to is then that recording's. The model is the same.
 import dataclasses
 from collections.abc import Sequence
 
-import numpy as np
-
 from tp_jax.effects import Effect
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.refit import Refit
@@ -37,9 +35,13 @@ def centred(values: Values, effects: Sequence[Effect], fitted: Sequence[int]) ->
 
 
 def told(result: Refit, fitted: Sequence[int]) -> Refit:
-    """A refit with its numbers as they are to be told; what was computed with it stays."""
+    """A refit with its numbers as they are to be told; what was computed with it stays.
+
+    So does the standard error of the parameter: it is the last recording's, not the mean's, which
+    is known better.
+    """
     effects = [v.effect for v in result.variants]
-    if not any(e.relative for e in effects) or not np.isfinite(result.cost):
+    if not any(e.relative for e in effects):
         return result
     fit = dataclasses.replace(result.fit, values=centred(result.fit.values, effects, fitted))
     return dataclasses.replace(result, fit=fit)
