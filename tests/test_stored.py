@@ -1,6 +1,7 @@
 """Traced programs kept between runs: found again, never the wrong one, no harm from a bad file."""
 
 import threading
+import time
 from typing import NamedTuple
 
 import jax
@@ -139,3 +140,28 @@ def test_memory_of_a_large_program_is_given_back_once(folder, monkeypatch, secon
     for _ in range(3):
         f(2.0, Pair(jnp.arange(3.0), None))
     assert len(calls) == times
+
+
+def test_two_are_compiled_at_once_and_no_more(folder):
+    inside, most = [], []
+    lock = threading.Lock()
+
+    def watched(factor, pair):  # traced, so called, where a program is made
+        with lock:
+            inside.append(factor)
+            most.append(len(inside))
+        time.sleep(0.05)
+        with lock:
+            inside.remove(factor)
+        return Pair(factor * pair.a, pair.b)
+
+    f = Stored(watched, 1, repr)
+    threads = [
+        threading.Thread(target=f, args=(float(k), Pair(jnp.ones(3), None))) for k in range(6)
+    ]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert len(most) == 6
+    assert max(most) == 2

@@ -33,6 +33,9 @@ log = logging.getLogger(__name__)
 LARGE = 0.5
 """Seconds to load or compile a program from which on it leaves much memory behind."""
 
+COMPILERS = threading.BoundedSemaphore(2)
+"""So many programs are compiled at once: the largest takes a gigabyte while it is."""
+
 
 class Stored:
     """A compiled function of some static arguments, which come first, and of arrays.
@@ -74,16 +77,22 @@ class Stored:
             lock = self._locks.setdefault(key, threading.Lock())
         with lock:
             ready = self._ready.get(key)
-            begun = time.monotonic()
             if ready is None:
-                ready = self._program(static, arrays, f"{tree} {shapes}")
-            out = ready(*arrays)  # compiles it
-            self._ready[key] = ready
-        if time.monotonic() - begun > LARGE:
-            release()
-        return out
+                with COMPILERS:
+                    begun = time.monotonic()
+                    program = self._program(static, arrays, f"{tree} {shapes}")
+                    # called itself, it would keep what it was lowered to
+                    ready = program.lower(*arrays).compile()
+                    del program
+                    took = time.monotonic() - begun
+                    if took > LARGE:
+                        release()
+                log.info("%s was ready after %.1f s", self.function.__name__, took)
+                self._ready[key] = ready
+        return ready(*arrays)
 
-    def _program(self, static: tuple, arrays: tuple, shapes: str) -> Callable[..., Any]:
+    def _program(self, static: tuple, arrays: tuple, shapes: str) -> Any:
+        """The jitted function of the arrays, its trace kept or taken from where it was kept."""
         wide = compiler_options()
         plain = jax.jit(functools.partial(self.function, *static), compiler_options=wide)
         folder, described = programs_folder(), self.describe(*static)

@@ -1,6 +1,7 @@
 """Estimation: recordings in windows, fitted by least squares with the window states eliminated.
 
 layout, program, windows, problem    what is estimated, and its one compiled linearisation
+                                     (placement, two_threads)
 start, baseline                      a start from the data, windows that grow
 weak_form                            a better start: no derivatives of the data (modulating,
                                      compensated)
@@ -17,6 +18,3 @@ success, checkpoint                  how often it works and what it costs; going
 assemble                             a pendulum from the numbers of a fit
 methods, identify, identification    all of it for a user
 """
-
-from tp_jax.estimation.identification import Identification as Identification
-from tp_jax.estimation.identify import identify as identify

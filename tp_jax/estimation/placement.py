@@ -6,6 +6,7 @@ are given to lanes by what they are expected to cost, the costly ones first, eac
 has least (Graham, 1969, SIAM J. Appl. Math. 17, 416-429).
 """
 
+import heapq
 from collections.abc import Sequence
 
 import numpy as np
@@ -70,9 +71,8 @@ def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: 
     room_for = np.maximum(windows.count, SHORTEST)
     lanes = [_least(room_for[g], cost[g], capacity) for g in groups]
     room = (-(-sum(map(len, lanes)) // width) + more) * width - sum(map(len, lanes))
+    worst = [_slowest(cost[g], at) for g, at in zip(groups, lanes, strict=True)]
     for _ in range(room):  # one more for the recording whose slowest lane is the slowest of all
-        worst = [max(cost[g[lane]].sum() for lane in at) if len(at) < g.size else -1.0
-                 for g, at in zip(groups, lanes, strict=True)]  # fmt: skip
         i = int(np.argmax(worst))
         if worst[i] < 0.0:
             break
@@ -80,7 +80,7 @@ def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: 
         split = _shared(room_for[g], cost[g], capacity, len(lanes[i]) + 1)
         if split is None:
             break
-        lanes[i] = split
+        lanes[i], worst[i] = split, _slowest(cost[g], split)
     every = [np.sort(g[lane]) for g, at in zip(groups, lanes, strict=True) for lane in at]
     every.sort(key=lambda lane: -cost[lane].sum())  # slow ones together
     places = np.zeros((windows.n, 4), dtype=int)
@@ -89,6 +89,11 @@ def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: 
         places[lane, 2] = np.cumsum(windows.count[lane]) - windows.count[lane]
         places[lane, 3] = np.arange(lane.size)
     return places
+
+
+def _slowest(cost: np.ndarray, lanes: list[np.ndarray]) -> float:
+    """What the slowest lane of a recording costs; -1 where every window has a lane of its own."""
+    return max(cost[lane].sum() for lane in lanes) if len(lanes) < cost.size else -1.0
 
 
 def _least(count: np.ndarray, cost: np.ndarray, capacity: int) -> list[np.ndarray]:
@@ -105,15 +110,20 @@ def _least(count: np.ndarray, cost: np.ndarray, capacity: int) -> list[np.ndarra
 
 def _shared(count: np.ndarray, cost: np.ndarray, capacity: int, n: int) -> list[np.ndarray] | None:
     """Windows in n lanes of about the same cost; None where they do not fit."""
-    load, used = np.zeros(n), np.zeros(n, dtype=int)
+    used = [0] * n
     members: list[list[int]] = [[] for _ in range(n)]
-    for i in np.argsort(-cost, kind="stable"):
-        i = int(i)
-        fits = np.flatnonzero(used + count[i] <= capacity)
-        if not fits.size:
+    lanes = [(0.0, lane) for lane in range(n)]  # a heap: the lane that has least is first
+    samples, costs = count.tolist(), cost.tolist()
+    for i in np.argsort(-cost, kind="stable").tolist():
+        full = []
+        while lanes and used[lanes[0][1]] + samples[i] > capacity:
+            full.append(heapq.heappop(lanes))
+        if not lanes:
             return None
-        lane = int(fits[np.argmin(load[fits])])
+        load, lane = lanes[0]
+        heapq.heapreplace(lanes, (load + costs[i], lane))
         members[lane].append(i)
-        load[lane] += cost[i]
-        used[lane] += count[i]
+        used[lane] += samples[i]
+        for one in full:
+            heapq.heappush(lanes, one)
     return [np.array(m, dtype=int) for m in members if m]

@@ -9,6 +9,7 @@ import numpy as np
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.placement import SHORTEST, expected_steps, place
 from tp_jax.estimation.program import NONE, Block, Programs, linearise, remember
+from tp_jax.estimation.two_threads import by_two
 from tp_jax.estimation.windows import Prepared, Windows
 from tp_jax.simulation.lanes import Tolerances
 
@@ -281,8 +282,7 @@ class Problem:
             return [np.asarray(a) for a in out]
 
         self.blocks()
-        with ThreadPoolExecutor(2) as pool:
-            results = dict(zip(jobs, pool.map(run, jobs), strict=True))
+        results = dict(zip(jobs, by_two(run, jobs), strict=True))
         return self._assemble(results, tuple(slots), [part for part, _ in portions])
 
     def _width(self, ids: frozenset[str], asked: int) -> int:
@@ -299,7 +299,7 @@ class Problem:
     def compile_ahead(self, active: frozenset[str], states: bool = True) -> None:
         """Has the programs compiled, in threads of their own, that look at every effect.
 
-        And the one that settles windows with what is there.
+        And those that settle windows: with what is there, and with what may come of it.
 
         Args:
             active: effects that have amplitudes.
@@ -308,6 +308,8 @@ class Problem:
         families = [f for f in self.layout.families if states or f <= self.programs.plain]
         programs = dict.fromkeys(self.programs.cover(active, family) for family in families)
         settling = self.programs.cover(active, NONE)
+        plain = self.programs.cover(active, self.programs.plain)
+        refits = [(plain, 0)] if states and plain != settling else []
         spare = self.layout.index["reaction"]
 
         def run(ids: frozenset[str], asked: int) -> None:
@@ -320,7 +322,7 @@ class Problem:
             )  # fmt: skip
 
         pool = ThreadPoolExecutor(2)
-        for ids, asked in ((settling, 0), *((ids, 1) for ids in programs)):
+        for ids, asked in ((settling, 0), *((ids, 1) for ids in programs), *refits):
             pool.submit(run, ids, asked)
         pool.shutdown(wait=False)
 

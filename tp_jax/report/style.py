@@ -144,13 +144,21 @@ def markup(figure: "Figure") -> str:
 
 
 def _write(figure: "Figure", stream: BinaryIO, kind: str) -> None:
-    """Draws it; a figure keeps the layout of the first time, which takes as long as drawing."""
-    import matplotlib
+    """Draws it, once, where `savefig` draws twice.
 
-    metadata = _NO_METADATA if kind == "svg" else {"Software": None}
-    figure.patch.set_alpha(1.0)
+    A figure keeps the layout of the first time, which takes as long as drawing.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    figure.patch.set(alpha=1.0, facecolor="white")
+    figure.dpi = PIXELS
     with matplotlib.rc_context(_SETTINGS):
-        figure.savefig(stream, format=kind, dpi=PIXELS, facecolor="white", metadata=metadata)
+        if kind == "svg":
+            FigureCanvasSVG(figure).print_svg(stream, metadata=_NO_METADATA)
+        else:
+            FigureCanvasAgg(figure).print_png(stream, metadata={"Software": None})
     figure.set_layout_engine("none")
 
 
