@@ -119,6 +119,38 @@ def test_figures_are_drawn(result):
     assert drawn == {"precision-eps-1000", "single-eps-1000", "sweep-eps-1000"}
 
 
+def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
+    from scripts._bench.measures import diagnosis
+    from scripts._bench.problem import Scale
+
+    class Ours:
+        name = "tp-jax"
+
+    class Bench:
+        scale, ours, tell = Scale(pairs=2), Ours, print
+
+    def command(out):  # of a megabyte where there is a cache, of a hundred where there is none
+        kept = out.parent / "kept"
+        size = 1_000_000 if kept.exists() else 100_000_000
+        kept.touch()
+        return [sys.executable, "-c", f"bytearray({size})"]
+
+    monkeypatch.setattr(diagnosis, "_command", command)
+    numbers, rows = diagnosis.measure(Bench)
+    cold, warm = numbers["cold"], numbers["warm"]
+    assert 0.1 < cold["gigabytes"] < 0.2
+    assert warm["gigabytes"] < 0.09
+    assert 0.0 < warm["seconds"]["median"] < 10.0
+    assert [(row.case, row.bar, row.reached) for row in rows] == [
+        ("cold cache", "90 s", True), ("cold cache", "2 GB", True),
+        ("warm cache", "20 s", True), ("warm cache", "2 GB", True),
+    ]  # fmt: skip
+
+    monkeypatch.setattr(diagnosis, "_command", lambda out: [sys.executable, "-c", "print(1 / 0)"])
+    with pytest.raises(RuntimeError, match="ZeroDivisionError"):
+        diagnosis.measure(Bench)
+
+
 def timed(name, median, error, ours_over):
     """A result as the measures have it."""
     return {

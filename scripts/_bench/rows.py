@@ -19,6 +19,9 @@ BARS = {
     "slowest": ("steps within 20 × the median", 20.0),
     "scaling": ("per lane 1.2 × that of 256 lanes", 1.2),
     "shell": ("2.5 s", 2.5),
+    "diagnosis cold": ("90 s", 90.0),
+    "diagnosis warm": ("20 s", 20.0),
+    "diagnosis memory": ("2 GB", 2.0),
     "simplices over scipy": ("1/30 of SciPy with CVODES", 1.0 / 30.0),
 }
 

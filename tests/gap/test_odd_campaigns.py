@@ -17,7 +17,7 @@ from tp_jax.estimation.windows import Windows
 from tp_jax.gap.applicability import check_predictable, why_not
 from tp_jax.gap.choice import cause_probabilities
 from tp_jax.gap.free_run import start_state
-from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, carried_over, floor_error, shrink
+from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, carried_over, floor_error, shrink, squares
 from tp_jax.gap.relative import centred
 from tp_jax.recordings import hold_out
 
@@ -120,6 +120,21 @@ def test_what_cannot_be_integrated_is_no_small_error():
     for before, after in ((True, False), (False, True)):
         found = shrunk(held_out(large, before), held_out(small, after))
         assert (found.value, found.ci95, found.significant) == (None, None, True)
+
+
+def test_windows_that_cannot_be_integrated_are_not_counted():
+    r = np.full((3, 8 + 4), 2.0)
+    r[1] = 0.0  # as a linearisation has it
+    complete = np.array([True, False, True])
+    lin = SimpleNamespace(r=r, valid=np.ones((3, 12), dtype=bool), complete=complete)
+    problem = SimpleNamespace(sigma=np.array([1e-3, 1e-3]))
+    found = squares(SimpleNamespace(linearisation=lin, problem=problem))
+    assert not found.complete
+    # four samples a channel less two estimated states
+    assert found.mean_square() == pytest.approx(2.0 * (2e-3) ** 2)
+    lin.complete = np.zeros(3, dtype=bool)
+    none = squares(SimpleNamespace(linearisation=lin, problem=problem))
+    assert np.isnan(none.mean_square())
 
 
 def test_few_windows_promise_little():

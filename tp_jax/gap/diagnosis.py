@@ -140,6 +140,10 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     start_after, free_after = (
         _free(setting, final.fit, horizon) if ids else (start_before, free_before)
     )
+    said = notes(
+        setting, choice, final, word, structure_p_after, anything["after"], least,
+        before.complete and after.complete,
+    )  # fmt: skip
     labels = [r.label for r in setting.recordings]
     return {
         "schema": SCHEMA,
@@ -185,7 +189,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "recordings": recordings(setting, start_before, start_after, bool(ids)),
         "curves": curves(setting, free_before, free_after if ids else None),
         "residuals": residuals(setting, before, after if ids else None, least),
-        "notes": notes(setting, choice, final, word, structure_p_after, anything["after"], least),
+        "notes": said,
     }
 
 

@@ -27,7 +27,8 @@ class HeldOut:
 
     squares: (w, 2) sums of squares [rad^2] by window and channel; samples: (w, 2) samples less
     estimated states; fit: the fit of the window states; complete: whether the model could be
-    integrated through all windows (those through which it could not have no squares).
+    integrated through all windows (those through which it could not have neither squares nor
+    samples).
     """
 
     squares: np.ndarray
@@ -36,9 +37,14 @@ class HeldOut:
     complete: bool = True
 
     def mean_square(self, weight: np.ndarray | None = None) -> float:
-        """Mean over channels of their mean squares [rad^2]; `weight` (w,) counts windows."""
+        """Mean over channels of their mean squares [rad^2]; `weight` (w,) counts windows.
+
+        NaN where there is no sample.
+        """
         w = np.ones(self.squares.shape[0]) if weight is None else weight
         used = self.samples.sum(axis=0) > 0
+        if not used.any():
+            return float("nan")
         total = (w[:, None] * self.squares).sum(axis=0)[used]
         count = (w[:, None] * self.samples).sum(axis=0)[used]
         return float((total / np.maximum(count, 1.0)).mean())
@@ -105,9 +111,9 @@ def squares(result: Fit) -> HeldOut:
     nw = r.shape[0]
     valid = result.linearisation.valid[:, :-4].reshape(nw, -1, 2)
     error = (r.reshape(nw, -1, 2) * problem.sigma) * valid
-    count = np.maximum(valid.sum(axis=1) - 2.0, 0.0)
-    complete = bool(result.linearisation.complete.all())
-    return HeldOut((error**2).sum(axis=1), count, result, complete)
+    complete = result.linearisation.complete
+    count = np.maximum(valid.sum(axis=1) - 2.0, 0.0) * complete[:, None]
+    return HeldOut((error**2).sum(axis=1), count, result, bool(complete.all()))
 
 
 def floor_error(setting: Setting) -> float:

@@ -16,8 +16,14 @@ def notes(
     structure_p_after: float,
     anything: FreeStructure,
     least: Floor,
+    complete: bool,
 ) -> list[str]:
-    """What to know beside the numbers, a sentence or two each."""
+    """What to know beside the numbers, a sentence or two each.
+
+    Args:
+        setting, choice, final, word, structure_p_after, anything, least: what was found.
+        complete: whether the models could be integrated through all held-out windows.
+    """
     said = []
     if setting.campaign.B1 is None:
         said.append("B1 is not given, so B1 = 1 and torques are per unit of B1: no angle can tell.")
@@ -36,6 +42,11 @@ def notes(
     said.append(f"The friction's smoothing is eps = {' or '.join(f'{x:g}' for x in eps)} s.")
     if not final.fit.converged or not choice.baseline.converged:
         said.append("A fit ended at its iteration limit; its numbers may still move.")
+    if not complete:
+        said.append(
+            "The model cannot be integrated through every window of the held-out recordings; "
+            "errors are those of the others, and how far the gap shrinks is not told."
+        )
     bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
     if bound:
         said.append(f"At a bound: {', '.join(bound)}.")

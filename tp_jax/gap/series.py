@@ -54,7 +54,10 @@ def curves(setting: Setting, before: dict, after: dict | None) -> list[dict]:
 
 
 def residuals(setting: Setting, before: HeldOut, after: HeldOut | None, least: Floor) -> list[dict]:
-    """Windowed residuals of the held-out recordings in units of the floor."""
+    """Windowed residuals of the held-out recordings in units of the floor.
+
+    NaN in a window through which the model could not be integrated.
+    """
     out = []
     total = least.total.items()
     unit = {n: s / x if x else 1.0 for s, (n, x) in zip(setting.sigma, total, strict=False)}
@@ -67,7 +70,8 @@ def residuals(setting: Setting, before: HeldOut, after: HeldOut | None, least: F
             if held is None:
                 series[name] = None
                 continue
-            r = held.fit.linearisation.r
+            lin = held.fit.linearisation
+            r = np.where(lin.complete[:, None], lin.r, np.nan)
             rows = [r[j, : 2 * windows.count[j]].reshape(-1, 2) for j in mine]
             series[name] = np.concatenate(rows)
         keep = _thin(p.t.size)

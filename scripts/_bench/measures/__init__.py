@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from . import (
     control,
+    diagnosis,
     identification,
     precision,
     robustness,
@@ -28,6 +29,7 @@ MEASURES: dict[str, Callable] = {
         control,
         scaling,
         shell,
+        diagnosis,
         identification,
         simplices,
     )

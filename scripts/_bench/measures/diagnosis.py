@@ -1,0 +1,74 @@
+"""From the shell to a report: `tp-jax diagnose` of the package's example, all programs to be
+compiled and none, and the memory that either takes.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+from ..bench import Bench
+from ..rows import Row, duration, held
+from ..timing import spread
+
+COLD = 2  # caches that begin empty
+
+# A process of its own, a small one: Linux counts the memory of who starts a process with it.
+WATCH = """
+import json, resource, subprocess, sys, time
+start = time.perf_counter()
+code = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
+took = time.perf_counter() - start
+print(json.dumps([code, took, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss]))
+"""
+
+
+class Took(NamedTuple):
+    """Seconds of a process, and gigabytes (1e9 bytes) at the most."""
+
+    seconds: float
+    gigabytes: float
+
+
+def measure(b: Bench) -> tuple[dict, list[Row]]:
+    """{"cold", "warm": {"seconds": {median, low, high}, "gigabytes"}} of all calls of a kind."""
+    calls: dict[str, list[Took]] = {"cold": [], "warm": []}
+    for k in range(COLD):
+        with tempfile.TemporaryDirectory() as folder:
+            for call in range(1 + -(-b.scale.pairs // COLD)):
+                b.tell(f"diagnosis {k + 1}.{call + 1}")
+                took = _diagnosed(Path(folder))
+                calls["warm" if call else "cold"].append(took)
+    numbers, rows = {}, []
+    for kind, several in calls.items():
+        seconds = spread([took.seconds for took in several])
+        most = max(took.gigabytes for took in several)
+        numbers[kind] = {"seconds": seconds._asdict(), "gigabytes": most}
+        case, name = f"{kind} cache", b.ours.name
+        rows += [
+            held(f"diagnosis {kind}", "diagnosis", case, name, seconds.median,
+                 duration(seconds.median)),
+            held("diagnosis memory", "diagnosis", case, name, most, f"{most:.3g} GB"),
+        ]  # fmt: skip
+    return numbers, rows
+
+
+def _command(out: Path) -> list[str]:
+    return [sys.executable, "-m", "tp_jax", "--quiet", "diagnose", "--out", str(out)]
+
+
+def _diagnosed(folder: Path) -> Took:
+    """One call, with its caches in this folder."""
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder)}
+    for name in ("TP_JAX_CACHE", "JAX_COMPILATION_CACHE_DIR"):
+        environment.pop(name, None)
+    watched = [sys.executable, "-c", WATCH, *_command(folder / "out")]
+    done = subprocess.run(watched, env=environment, check=True, capture_output=True, text=True)
+    code, seconds, most = json.loads(done.stdout)
+    if code:
+        raise RuntimeError(f"tp-jax diagnose ended with {code}:\n{done.stderr}")
+    unit = 1.0 if sys.platform == "darwin" else 1024.0  # bytes
+    return Took(seconds, most * unit / 1e9)
