@@ -94,3 +94,12 @@ def test_many_causes_and_long_sentences_fit(made):
     text = summary(diagnosis)
     assert len(text.splitlines()) <= 25
     assert "Next: " in text
+
+
+@pytest.mark.parametrize(("groups", "end"), [(3, "; and 1 more group"), (5, "; and 3 more groups")])
+def test_groups_beyond_those_shown_are_counted(made, groups, end):
+    diagnosis = made("explained")
+    diagnosis["confused_with"] = [["contact_stribeck", "contact_presliding"]] * groups
+    lines = [line for line in summary(diagnosis).splitlines() if "Not told apart" in line]
+    assert len(lines) == 2
+    assert lines[-1].endswith(end)

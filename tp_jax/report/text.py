@@ -90,7 +90,8 @@ def _last(diagnosis: Mapping[str, Any]) -> list[str]:
     for group in groups[:_MOST_GROUPS]:
         lines.append(_line("Not told apart: " + ", ".join(group)))
     if len(groups) > _MOST_GROUPS:
-        lines[-1] = _line(f"{lines[-1]}; and {len(groups) - _MOST_GROUPS} more groups")
+        more = len(groups) - _MOST_GROUPS
+        lines[-1] = _line(f"{lines[-1]}; and {more} more group{'s' if more > 1 else ''}")
     following = verdict.next_experiment(diagnosis)
     if following:
         lines += textwrap.wrap(f"Next: {following}", WIDTH)[:2]
