@@ -40,6 +40,9 @@ def _parser() -> Parser:
     parser.add_argument("--rigs", metavar="N", type=count, default=20, help="default 20")
     parser.add_argument("--starts", metavar="N", type=count, default=16,
                         help="of each, the data's own not counted (default 16)")  # fmt: skip
+    parser.add_argument(
+        "--raw-starts", action="store_true", help="as `tp-jax identify --raw-starts`"
+    )
     add_seed(parser)
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
                         help="begin no rig after so many seconds")  # fmt: skip
@@ -58,6 +61,8 @@ def _study(args: Any) -> int:
     until = time.monotonic() + args.limit_s
     folder = made_folder(args.out)
     settings = {"seed": args.seed, "starts": args.starts, "quick": args.quick}
+    if args.raw_starts:
+        settings["raw_starts"] = True
     known = read(folder / RIGS)
     if any(entry["settings"] != settings for entry in known.values()):
         raise InputError(f"{folder} holds a study with other settings; give another --out.")
@@ -103,7 +108,9 @@ def _rig(number: int, args: Any) -> dict[str, Any]:
         for name in ("B2", "k", "A", "c1", "M1", "Tv", "Ts1", "Tst", "T0")
     }
     begin = time.perf_counter()
-    found = tp.identify(campaign, starts=args.starts + 1, bound=bound, seed=seed)
+    found = tp.identify(
+        campaign, starts=args.starts + 1, bound=bound, seed=seed, raw_starts=args.raw_starts
+    )
     seconds, result = time.perf_counter() - begin, found.to_dict()
     setting = prepare_campaign(campaign, bound=bound, effects=())
     by_profile = {p.name: p.ci95 for p in profiles(found.fit, setting, PROFILED)}

@@ -36,5 +36,6 @@ def test_a_small_study_and_its_resumption(tmp_path, monkeypatch, capsys):
     assert result["good"]["k"]["held"] == 1
     assert study.main(words) == 0
     assert (tmp_path / "rigs.jsonl").read_text() == kept
-    assert study.main([*words, "--seed", "1"]) == 2
+    for other in (["--seed", "1"], ["--raw-starts"]):
+        assert study.main([*words, *other]) == 2
     assert "other settings" in capsys.readouterr().err
