@@ -23,7 +23,15 @@ from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import Prepared, cut, prepare
 from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS, SHARPEST_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
-from tp_jax.recordings import Campaign, Recording, noise_floor, stretches
+from tp_jax.recordings import (
+    Campaign,
+    Colour,
+    Recording,
+    noise_colour,
+    noise_floor,
+    same_rate,
+    stretches,
+)
 
 log = logging.getLogger(__name__)
 
@@ -56,6 +64,7 @@ class Setting:
         model: "newton" or "paper".
         bounds: by name, where the user gave them.
         widths: (r,) samples of the window that smooths a recording.
+        period: of the column's motion, typically [s].
     """
 
     campaign: Campaign
@@ -71,6 +80,7 @@ class Setting:
     model: str
     bounds: dict[str, tuple[float, float]]
     widths: np.ndarray
+    period: float
 
     @functools.cached_property
     def programs(self) -> Programs:
@@ -159,7 +169,11 @@ def prepare_campaign(
     """Reads noise, sampling and period off the recordings and lays out the estimation."""
     recordings = campaign.recordings
     fitted = [r for r in recordings if not r.held_out]
+    period = _period(fitted)
     noise = noise_floor(fitted)
+    colours = _colours(recordings, period)
+    for c, name in enumerate(noise):
+        noise[name] *= float(np.median([colours[recordings.index(r)][c].excess for r in fitted]))
     sigma = np.array([noise["phi1"], noise.get("phi2", 1.0)])
     sigma = np.where(sigma > 0.0, sigma, 1e-6)
     if effects is None:
@@ -169,10 +183,12 @@ def prepare_campaign(
     layout = Layout(campaign.model, tuple(effects))
     own = np.array([np.median(np.diff(r.t)) for r in recordings])
     step = float(np.median(own))
-    period = _period(fitted)
     widths = np.clip(np.round(period / 10.0 / own), 7, 25).astype(int) | 1
     names = {"phi1": sigma[0], "phi2": sigma[1]}
-    prepared = tuple(prepare(r, names, int(w)) for r, w in zip(recordings, widths, strict=True))
+    prepared = tuple(
+        prepare(r, names, int(w), colour)
+        for r, w, colour in zip(recordings, widths, colours, strict=True)
+    )
     # what is shorter than a window is one window
     horizons = _horizons(period, step, float(np.median([r.duration for r in fitted])))
     counts = [round(horizons[-1] / step) + 2]
@@ -187,8 +203,22 @@ def prepare_campaign(
     fixed |= fix or {}
     return Setting(
         campaign, recordings, layout, prepared, noise, sigma, horizons, sample_capacity(counts),
-        fixed, priors, model, dict(bound or {}), widths,
+        fixed, priors, model, dict(bound or {}), widths, period,
     )  # fmt: skip
+
+
+def _colours(recordings: Sequence[Recording], period: float) -> list[tuple[Colour, Colour]]:
+    """Colour of both channels' noise in each recording; those of one sampling rate have one."""
+    out = [(Colour(), Colour())] * len(recordings)
+    for group in same_rate(recordings):
+        fitted = [recordings[i] for i in group if not recordings[i].held_out]
+        pair = (
+            noise_colour(fitted, "phi1", period),
+            noise_colour(fitted, "phi2", period),
+        )
+        for i in group:
+            out[i] = pair
+    return out
 
 
 def _period(recordings: Sequence[Recording]) -> float:

@@ -60,7 +60,7 @@ class Layout:
                 slots.append(
                     Parameter(
                         effect.qualified(a.name), a.unit, a.lower, a.upper,
-                        scope=scope, typical=a.typical,
+                        scope=scope, typical=a.typical, per_inertia="N m" in a.unit,
                     )
                 )  # fmt: skip
             for s in effect.shapes:

@@ -6,12 +6,14 @@ over the two levels as well.
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.windows import prepare
+from tp_jax.recordings import Colour
 
 CHANNELS = ("phi1", "phi2")
 
@@ -35,12 +37,21 @@ def fitted_noise(fit: Fit) -> dict[str, float]:
     return out
 
 
-def with_noise(setting: Setting, noise: dict[str, float]) -> Setting:
-    """A campaign with other noise levels, by channel [rad]."""
+def with_noise(
+    setting: Setting,
+    noise: dict[str, float],
+    colours: Sequence[tuple[Colour, Colour]] | None = None,
+) -> Setting:
+    """A campaign with other noise levels, by channel [rad], and colours, by recording."""
+    if colours is None:
+        colours = [p.colour for p in setting.prepared]
     sigma = np.array([noise.get(n, s) for n, s in zip(CHANNELS, setting.sigma, strict=True)])
     by_name = dict(zip(CHANNELS, sigma, strict=True))
     pairs = zip(setting.recordings, setting.widths, strict=True)
-    prepared = tuple(prepare(r, by_name, int(width)) for r, width in pairs)
+    prepared = tuple(
+        prepare(r, by_name, int(width), colour)
+        for (r, width), colour in zip(pairs, colours, strict=True)
+    )
     return dataclasses.replace(
         setting, noise={**setting.noise, **noise}, sigma=sigma, prepared=prepared
     )

@@ -35,7 +35,8 @@ class Linearisation:
     """Weighted residuals of all windows and their derivatives.
 
     r: (w, m) residuals in units of the noise, padded with zeros; rows are samples x channels,
-    then four of the prior. states_jac: (w, m, 4). slots_jac: (w, m, d), by slot in `slots` (the
+    then four of the prior. Where the noise is coloured its correlation is taken out of r and of all
+    derivatives (`Colour.whiten`), and raw (w, m - 4) has the residuals before that. states_jac: (w, m, 4). slots_jac: (w, m, d), by slot in `slots` (the
     same slot of different recordings is one column here). valid: (w, m) bool. states: (w, n, 4).
     complete: (w,). own: (w, k) effects' own states at the windows' ends, where it was asked for no
     slots.
@@ -50,6 +51,12 @@ class Linearisation:
     slots: tuple[str, ...]
     recording: np.ndarray
     own: np.ndarray | None = None
+    raw: np.ndarray | None = None
+
+    @property
+    def samples(self) -> np.ndarray:
+        """(w, m - 4) residuals of the samples in units of the noise, as they were read."""
+        return self.r[:, :-4] if self.raw is None else self.raw
 
     @property
     def n_samples(self) -> int:
@@ -232,7 +239,7 @@ class Problem:
             for k, (i, c) in enumerate(zip(going, count, strict=True)):
                 p = self.prepared[recordings[i]]
                 span = slice(first, first + c)
-                error = lin.r[k, : 2 * c].reshape(c, 2) * self.sigma
+                error = lin.samples[k, : 2 * c].reshape(c, 2) * self.sigma
                 out[i][span] = np.where(p.channels, p.y[span] + error, lin.states[k, :c, :2])
                 states[i], own[i] = lin.states[k, c - 1], lin.own[k]
                 if not lin.complete[k]:
@@ -362,9 +369,36 @@ class Problem:
                 valid[i, : 2 * c] = weight[span, :, lane].reshape(-1) > 0
         for a in (r, states_jac, slots_jac):  # what is not finite must not spoil the rest
             a[~complete] = 0.0
+        raw = None
+        if self.coloured:
+            raw = r[:, :-4].copy()
+            for a in (r[:, :, None], states_jac, slots_jac):
+                self.whiten(a)
         return Linearisation(
-            r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording, own
-        )
+            r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording, own,
+            raw,
+        )  # fmt: skip
+
+    @property
+    def coloured(self) -> bool:
+        """Whether any sensor's noise is correlated from sample to sample."""
+        return any(not c.is_white for p in self.prepared for c in p.colour)
+
+    def whiten(self, columns: np.ndarray) -> None:
+        """Takes the noise's correlation out of columns (w, m, q), rows as in `Linearisation`.
+
+        In place. A window's first sample is taken as the first of all: what noise has in common
+        over the edge of two windows is left out, as it is of their states.
+        """
+        n = (columns.shape[1] - 4) // 2
+        rows = np.arange(n)[None, :] < self.windows.count[:, None]
+        for c in range(2):
+            kinds = [self.prepared[r].colour[c] for r in self.windows.recording]
+            for kind in {k for k in kinds if not k.is_white}:
+                mine = np.array([k == kind for k in kinds])
+                part = np.moveaxis(columns[mine, c : 2 * n : 2], 1, 0)
+                white = np.moveaxis(kind.whiten(part), 0, 1)
+                columns[mine, c : 2 * n : 2] = white * rows[mine, :, None]
 
 
 def columns(unknowns: Sequence[Unknown]) -> tuple[str, ...]:

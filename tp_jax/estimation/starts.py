@@ -44,7 +44,7 @@ class Axis:
     def of(cls, spec: Parameter, bounds: tuple[float, float] | None) -> "Axis":
         """That of a parameter, scaled to the rig, with the user's bounds in place of its own."""
         low, high = bounds or (spec.lower, spec.upper)
-        if spec.transform == "log":
+        if spec.transform == "log" or spec.lower > 0.0:
             # a bound of zero says nothing, and has no logarithm
             return cls(spec.name, low or min(spec.lower, high), high, "log", spec.typical)
         if low >= 0.0:

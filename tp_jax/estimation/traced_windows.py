@@ -24,7 +24,7 @@ class Traced(NamedTuple):
 
     table: (P, R) all numbers; rows: (u,) slots of the unknowns; own: (u,) the recording of each,
     -1 for all; place: (u,) of each among the directions; directions: (d,) slots; typical: (u,)
-    and logs: (u,) 1.0 for those whose coordinate is a logarithm, the coordinates; at: (u,)
+    and logs, asinhs: (u,) 1.0 for those whose coordinate is a logarithm or an asinh, the coordinates; at: (u,)
     coordinates of the reference; recording: (b, L); states: (b, n, 4, L) at windows' starts;
     gain: (b, n, 4, L, u) how they follow; begin: (b, n, L) first sample of the window each sample
     is of; anchors: (u,) centres and (u,) weights 1/sd, 0 for none.
@@ -37,6 +37,7 @@ class Traced(NamedTuple):
     directions: Int[Array, " d"]
     typical: Float[Array, " u"]
     logs: Float[Array, " u"]
+    asinhs: Float[Array, " u"]
     at: Float[Array, " u"]
     recording: Int[Array, "b L"]
     states: Float[Array, "b n 4 L"]
@@ -91,6 +92,7 @@ def traced(
         directions=np.array([index[s] for s in slots]),
         typical=np.array([s.typical for s in specs]),
         logs=np.array([float(s.transform == "log") for s in specs]),
+        asinhs=np.array([float(s.transform == "asinh") for s in specs]),
         at=np.array(at), recording=recording, states=start_states, gain=start_gain, begin=begin,
         blocks=jax.tree.map(lambda *x: jnp.stack(x), *data), centre=centre, weight=weight,
     )  # fmt: skip
@@ -109,9 +111,12 @@ def evaluate(
 
     Not a number where a window cannot be integrated: a method then takes a shorter step.
     """
-    log = t.logs > 0.0
-    x = jnp.where(log, jnp.exp(jnp.where(log, u, 0.0)), u * t.typical)
-    slope = jnp.where(log, x, t.typical)
+    log, asinh = t.logs > 0.0, t.asinhs > 0.0
+    bent = jnp.where(asinh, u, 0.0)
+    x = jnp.where(
+        log, jnp.exp(jnp.where(log, u, 0.0)), jnp.where(asinh, jnp.sinh(bent), u) * t.typical
+    )
+    slope = jnp.where(log, x, t.typical * jnp.cosh(bent))
     recordings = jnp.arange(t.table.shape[1])
     mine = (t.own[:, None] < 0) | (t.own[:, None] == recordings)  # (u, R)
     table = t.table

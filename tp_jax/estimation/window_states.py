@@ -126,6 +126,8 @@ def put(lin: Linearisation, part: Linearisation, where: np.ndarray, which: np.nd
         whole, new = getattr(lin, name), getattr(part, name)[which]
         whole[where, :rows] = new[:, :rows]
         whole[where, -4:] = new[:, -4:]
+    if lin.raw is not None and part.raw is not None:
+        lin.raw[where, :rows] = part.raw[which][:, :rows]
     lin.states[where, : part.n_samples] = part.states[which]
     if lin.own is not None and part.own is not None:
         lin.own[where] = part.own[which]

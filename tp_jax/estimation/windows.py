@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 from tp_jax.model.dahl import play_along
 from tp_jax.recordings import Recording
 from tp_jax.recordings.gaps import stretches
+from tp_jax.recordings.noise_colour import Colour
 from tp_jax.recordings.smooth import local_polynomial
 
 #: Smoothed readings share samples with the window they start, so their weight is reduced: the
@@ -26,7 +27,8 @@ class Prepared:
     t: (n,) s; y: (n, 2) rad, zeros where a channel is missing; channels: (2,) bool;
     smooth: (n, 4) smoothed readings and their rates; smooth_sd: (n, 4);
     pieces: (n - 1, 4) cubic coefficients of the measured drive, or None;
-    path: (n, 4) as `smooth`, its angles without what is noise (`play_along`).
+    path: (n, 4) as `smooth`, its angles without what is noise (`play_along`);
+    colour: of each channel's noise.
     """
 
     t: np.ndarray
@@ -36,18 +38,25 @@ class Prepared:
     smooth_sd: np.ndarray
     pieces: np.ndarray | None
     path: np.ndarray | None = None
+    colour: tuple[Colour, Colour] = (Colour(), Colour())
 
     def __post_init__(self):
         if self.path is None:
             object.__setattr__(self, "path", self.smooth)
 
 
-def prepare(recording: Recording, sigma: Mapping[str, float], width: int) -> Prepared:
+def prepare(
+    recording: Recording,
+    sigma: Mapping[str, float],
+    width: int,
+    colour: tuple[Colour, Colour] = (Colour(), Colour()),
+) -> Prepared:
     """Smooths a recording once.
 
     Args:
         recording: the recording. sigma: noise by channel [rad].
         width: samples of the smoothing window.
+        colour: of each channel's noise.
     """
     n = recording.t.size
     y = np.zeros((n, 2))
@@ -58,7 +67,7 @@ def prepare(recording: Recording, sigma: Mapping[str, float], width: int) -> Pre
         if values is None:
             continue
         y[:, c] = values
-        fit = local_polynomial(recording.t, values, sigma[name], width)
+        fit = local_polynomial(recording.t, values, sigma[name] * colour[c].slow, width)
         smooth[:, c], smooth[:, 2 + c] = fit.value, fit.first
         # Between two gaps there may be too few samples for a rate. It is then known to be like the
         # others: without that the velocity of a stuck rider goes anywhere, and the fit stalls.
@@ -74,7 +83,7 @@ def prepare(recording: Recording, sigma: Mapping[str, float], width: int) -> Pre
     for c in np.flatnonzero(channels):
         error = float(np.median(sd[:, c]))
         path[:, c] = play_along(smooth[:, c], NOISE_OF_PATH * error)
-    return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces, path)
+    return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces, path, colour)
 
 
 @dataclasses.dataclass(frozen=True)

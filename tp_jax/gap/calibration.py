@@ -42,12 +42,13 @@ def columns(setting: Setting, fit: Fit) -> np.ndarray:
                 first, count = windows.first[w], windows.count[w]
                 rows, sd = slice(c, 2 * count, 2), data.smooth_sd[first]
                 # at the model's readings, since noise in the shapes would go with the residuals'
-                read = data.y[first : first + count, c] + sigma[c] * lin.r[w, rows]
+                read = data.y[first : first + count, c] + sigma[c] * lin.samples[w, rows]
                 shapes[w, rows] = error.at(read).T / sigma[c]
                 start = data.smooth[first] + sd * lin.r[w, -4:]
                 shapes[w, -4 + c] = error.at(start[[c]])[:, 0] / sd[c]
                 slope = error.slope(start[[c]])[:, 0]
                 shapes[w, -2 + c] = slope * start[2 + c] / sd[2 + c]
+            fit.problem.whiten(shapes)
             every.append(shapes)
     return np.concatenate(every, axis=2)
 

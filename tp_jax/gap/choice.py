@@ -9,8 +9,12 @@ import numpy as np
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
+from tp_jax.gap.backward import pruned, replaced
+from tp_jax.gap.confirmation import Confirmation, confirm
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.free_structure import free_structure
+from tp_jax.gap.left_out import LeftOut, groups, left_out
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable, sharper
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
@@ -37,6 +41,8 @@ LEAST_PART = 0.01  # of the removable gap that a cause must take with it, or be 
 CLEARLY = 64.0  # twice a logarithm of likelihoods, of a cause that takes less
 ZEROS = ("zero1", "zero2")
 BESIDE = 0.25  # of what it takes: what others may still promise
+ALTERNATIVES = 3  # effects that are asked for confirmation in one round
+PAIR = 1.1  # times what the best effect promises: two that promise more are both refitted
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,6 +51,7 @@ class Round:
 
     searched: where the refits began: `before`, or that with the search's smoothing (see `sharpen`),
     which they have too. gains: id to (drop of the left-out sum of squares, its standard error).
+    confirmations: id to what recordings left out say of it, for those that were asked for.
     """
 
     before: Fit
@@ -54,6 +61,7 @@ class Round:
     refits: dict[str, Refit]
     gains: dict[str, tuple[float, float]]
     taken: str | None
+    confirmations: dict[str, Confirmation] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,8 +111,10 @@ def choose(
             seen = screen(before, setting, skip=current.ids)
             structure = structure_test(seen, seed)
             # A cause takes something worth telling with it, if it is not the last that was missing.
+            # Of a large gap a hundredth may still be far above the noise: then it is no small one.
             promised = max((s.drop for s in seen.scored), default=0.0)
-            small = promised <= LEAST_PART * noise_only
+            near = removable(before) < NOISE_ALONE * before.dof
+            small = near and promised <= LEAST_PART * noise_only
             last = small and promised <= CLEARLY
         log.info("round %d: structure p %.4g", n + 1, structure.p)
         if structure.p >= SEEN or last:
@@ -115,8 +125,10 @@ def choose(
         refits: dict[str, Refit] = {}
         gains: dict[str, tuple[float, float]] = {}
         # Less than chance leaves of noise is not worth a search either.
-        enough = max(SETTLED * noise_only, BY_CHANCE * np.sqrt(2.0 * current.fit.dof))
+        left_now = max(removable(current.fit), 0.0)
+        enough = max(SETTLED * left_now, BY_CHANCE * np.sqrt(2.0 * current.fit.dof))
         ranked = _worth_refitting(setting, seen, structure)[: REFITTED[n]]
+        ranked = _with_pair(seen, ranked)
         for i, s in enumerate(ranked):
             left = min((removable(r.fit) for r in refits.values()), default=np.inf)
             if i >= ALWAYS and left < enough:
@@ -133,36 +145,99 @@ def choose(
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         best = _likeliest(refits) if small else _most_promising(refits, gains, block)
-        if small or _earned(*gains[best], noise_only, refits[best]):
+        if small or _earned(*gains[best], left_now, refits[best]):
             # What comes next is a look at every effect without states beside those that are in.
             programs = current.fit.problem.programs
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
-        progress(f"polishing {best}", None)
-        polished = polish(setting, refits[best])
-        refits[best] = polished
-        gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
-        taken = best if small or _earned(drop, error, noise_only, polished) else None
-        if taken is not None:
+        taken, polished, keener = None, current, sharp
+        confirmations: dict[str, Confirmation] = {}
+        without: dict[bool, LeftOut] = {}
+        while taken is None and len(confirmations) < ALTERNATIVES:
+            progress(f"polishing {best}", None)
+            polished = polish(setting, refits[best])
+            refits[best] = polished
+            gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
+            log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
+            if not (small or _earned(drop, error, left_now, polished)):
+                break
             progress("sharpening the friction", None)
             keener = sharper(setting, polished)
             # Where smoothing may be what is left, the cause has to earn its place without it too.
             if small:
-                taken = best if _clearly(setting, sharp, keener, seed) else None
+                if not _clearly(setting, sharp, keener, seed):
+                    break
             elif before is sharp.fit and not _earned(
                 *gain(left_out_cost(before), left_out_cost(keener.fit), block),
                 max(removable(before), 0.0), keener,
             ):  # fmt: skip
-                taken = None
-        rounds.append(Round(before, current.fit, seen, structure, refits, gains, taken))
-        log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
+                break
+            progress(f"predicting without {best}", None)
+            confirmations[best] = _confirmed(setting, current, polished, without)
+            if confirmations[best].confirmed:
+                taken = best
+                break
+            others = {id: r for id, r in refits.items() if id not in confirmations}
+            if not others:
+                break
+            best = _most_promising(others, {id: gains[id] for id in others}, block)
+        rounds.append(
+            Round(before, current.fit, seen, structure, refits, gains, taken, confirmations)
+        )
         if taken is None:
             break
+        if len(polished.variants) > 1:
+            progress("trying to do without a cause", None)
+            checked = pruned(setting, polished, POLICY.backward)
+            checked = replaced(setting, checked, rounds[0].screen, POLICY.backward)
+            if checked is not polished:
+                polished = polish(setting, checked)
+                keener = sharper(setting, polished)
         current, sharp = polished, keener
     if sharp.ids and sharp.fit.chi2_dof > LENGTHEN:
         for _ in range(LONGER):
             progress("longer windows", None)
             sharp = lengthened(setting, sharp)
     return Choice(sharp_baseline.fit, tuple(rounds), sharp)
+
+
+def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:
+    """The effects to refit, with those two that would help most together among them.
+
+    Where together they promise clearly more than any one.
+    """
+    pair = seen.pair()
+    if pair is None or not ranked:
+        return ranked
+    a, b, drop = pair
+    amplitudes = len(a.variant.unknowns) + len(b.variant.unknowns)
+    if drop < PAIR * ranked[0].drop + LIKELIER + PER_AMPLITUDE * amplitudes:
+        return ranked
+    return ranked + [s for s in (a, b) if s.id not in {x.id for x in ranked}]
+
+
+def _confirmed(
+    setting: Setting, current: Refit, trial: Refit, without: dict[bool, LeftOut]
+) -> Confirmation:
+    """What recordings left out say of the effect that came last.
+
+    Args:
+        setting, current, trial: the campaign, and the fits without and with it.
+        without: errors of the former where they are known already.
+    """
+    new = trial.variants[-1]
+    within = any(u.recording is not None for u in new.unknowns)
+    policy = POLICY.confirm
+    group = groups(setting, current.fit, POLICY.folds, within)
+    if int(group.max()) + 1 < POLICY.folds.fewest:
+        return Confirmation(False, 0.0, 0.0, 1.0, "the recordings are too few or too short")
+    if within not in without:
+        without[within] = left_out(setting, current, group, policy)
+    found = confirm(
+        without[within], left_out(setting, trial, group, policy), trial.fit.chi2_dof,
+        len(new.effect.amplitudes), policy,
+    )  # fmt: skip
+    log.info("%s: %s", new.effect.id, found)
+    return found
 
 
 def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:
@@ -262,52 +337,6 @@ def _most_promising(
         if id == top or (behind < TIE * error and behind < TIE_PART * gains[top][0]):
             tied.append(id)
     return min(tied, key=lambda id: (_amplitudes(refits[id]), -gains[id][0]))
-
-
-def cause_probabilities(choice: Choice, n_samples: int) -> dict[str, float]:
-    """Posterior inclusion of each effect that was looked at.
-
-    Models: the baseline, every refit, and those only screened (with their predicted sum of
-    squares), under equal prior odds, by the Bayesian information criterion; sums of squares are
-    divided by the best model's misfit, so that a model that is wrong everywhere is not certain of
-    details.
-    """
-    best = choice.final.fit
-    misfit = max(best.chi2_dof, 1.0)
-    penalty = np.log(max(n_samples, 2))
-    # A linear prediction beyond the noise floor would be a promise nobody can keep. Sums of squares
-    # over longer windows are no such floor.
-    last = choice.rounds[-1].searched
-    floor = best.cost if best.problem.windows.n == last.problem.windows.n else last.cost
-    scores: list[tuple[frozenset[str], float]] = []
-    base = frozenset[str]()
-    for r in choice.rounds:
-        ids = base
-        cost = r.searched.cost
-        if not scores:
-            scores.append((ids, cost / misfit))
-        q0 = _charged(r.searched)
-        for s in r.screen.best():
-            q = len(s.variant.unknowns)
-            if s.id in r.refits:
-                extra = _charged(r.refits[s.id].fit) - q0
-                value = r.refits[s.id].cost / misfit + extra * penalty
-            else:
-                value = max(cost - s.drop, floor) / misfit + q * penalty
-            offset = q0 - _charged(choice.rounds[0].searched)
-            scores.append((ids | {s.id}, value + offset * penalty))
-        if r.taken:
-            base = base | {r.taken}
-    lowest = min(v for _, v in scores)
-    weights = [(ids, float(np.exp(-0.5 * (v - lowest)))) for ids, v in scores]
-    total = sum(w for _, w in weights)
-    names = {id for ids, _ in weights for id in ids}
-    return {id: sum(w for ids, w in weights if id in ids) / total for id in names}
-
-
-def _charged(fit: Fit) -> int:
-    """Unknowns that cost a model likelihood; the zeros of angles have priors, which do that."""
-    return sum(u.name not in ZEROS for u in fit.unknowns)
 
 
 def tied_by_gain(choice: Choice, setting: Setting) -> list[list[str]]:

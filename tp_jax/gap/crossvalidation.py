@@ -31,8 +31,13 @@ def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
     return out
 
 
-def left_out_cost(fit: Fit) -> np.ndarray:
-    """Sum of squares of each window (w,) under unknowns fitted without its fold."""
+def left_out_cost(fit: Fit, fold: np.ndarray | None = None) -> np.ndarray:
+    """Sum of squares of each window (w,) under unknowns fitted without its fold.
+
+    Args:
+        fit: at its optimum, or near it.
+        fold: of each window (w,); `folds` if None.
+    """
     free = ~fit.at_bound & np.array([_moves(fit, u) for u in fit.unknowns])
     names = [u for u, f in zip(fit.unknowns, free, strict=True) if f]
     g = fit.eliminated.g[:, free]
@@ -53,7 +58,7 @@ def left_out_cost(fit: Fit) -> np.ndarray:
     # A fit that ended early is taken for what it is near to: what is left of its gradient says
     # nothing about any fold.
     at_optimum = g - H @ (g.sum(axis=0) + pull)
-    fold = folds(fit)
+    fold = folds(fit) if fold is None else fold
     cost = fit.eliminated.cost.copy()
     for k in np.unique(fold):
         out = fold == k

@@ -14,16 +14,19 @@ from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.residual_noise import with_residual_noise
+from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import check_predictable, why_not
 from tp_jax.gap.calibration import Floor, floor
-from tp_jax.gap.choice import SEEN, Choice, cause_probabilities, choose, tied_by_gain
+from tp_jax.gap.choice import SEEN, Choice, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.notes import notes
+from tp_jax.gap.probability import cause_probabilities
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.relative import told
 from tp_jax.gap.screen import Scored
@@ -90,7 +93,7 @@ def diagnose(
             "The model cannot be integrated through the recordings from any start; check the units "
             "of times and angles, and that omega is in rad/s."
         )
-    choice = choose(setting, baseline, seed, progress)
+    setting, choice = _chosen(setting, baseline, seed, progress)
     progress("reading the held-out recordings", None)
     result = _report(setting, choice, seed)
     result["provenance"] = {
@@ -100,6 +103,35 @@ def diagnose(
         "wall_s": round(time.perf_counter() - begin, 2),
     }
     return Diagnosis(result)
+
+
+def _chosen(
+    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None]
+) -> tuple[Setting, Choice]:
+    """The causes, and the campaign with its noise as it shows once they are in.
+
+    Where the data alone do not say what colour the noise has, what the baseline leaves does, and
+    some of that may be gap. What the causes leave says it better; then all is judged anew.
+    """
+    setting, baseline = _with_noise_of(setting, baseline, baseline)
+    choice = choose(setting, baseline, seed, progress)
+    if choice.final.ids:
+        better, baseline = _with_noise_of(setting, choice.final.fit, baseline)
+        if better is not setting:
+            return better, choose(better, baseline, seed, progress)
+    return setting, choice
+
+
+def _with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting, Fit]:
+    """The campaign with the noise that a fit shows, and the baseline under it."""
+    found = with_residual_noise(setting, shown)
+    if found is setting:
+        return setting, baseline
+    problem = found.problem(baseline.problem.windows.horizon)
+    return found, fit(
+        problem, baseline.values, baseline.unknowns, baseline.states, bounds=found.bounds,
+        anchors=baseline.anchors, relative=1e-7,
+    )  # fmt: skip
 
 
 def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
@@ -127,7 +159,7 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     structure_p_after = both(choice.structure.p, anything["after"].p)
     word = verdict(structure_p, structure_p_after, excess, len(final.ids), total)
     no_gap = word == "no_gap"
-    probabilities = cause_probabilities(choice, baseline.dof)
+    probabilities = cause_probabilities(choice, setting, seed)
     # refits are compared with where they began, which has the smoothing that they have
     begun = evaluate(setting, first.searched.values, horizon)
     shrinks = {
@@ -239,12 +271,14 @@ def _causes(
         if len(ids) == len(final.variants):
             value = total.value
         elif len(ids) == 1:
-            value = shrinks[ids[0]].value
+            value = shrinks[ids[0]].value if ids[0] in shrinks else None
         else:
-            r = next(r for r in choice.rounds if r.taken == ids[-1])
-            fit = r.refits[ids[-1]]
-            measured = evaluate(setting, fit.fit.values, horizon, [x.effect for x in fit.variants])
-            value = shrink(setting, begun, measured, seed, least).value
+            fit = next((r.refits[r.taken] for r in choice.rounds if r.taken == ids[-1]), None)
+            value = None  # of one that took another's place nobody asked
+            if fit is not None and fit.ids == tuple(ids):
+                effects = [x.effect for x in fit.variants]
+                measured = evaluate(setting, fit.fit.values, horizon, effects)
+                value = shrink(setting, begun, measured, seed, least).value
         out.append(
             {
                 "effect": v.effect.id,

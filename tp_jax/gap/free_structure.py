@@ -30,6 +30,7 @@ from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import spread
 from tp_jax.gap import calibration
 from tp_jax.gap.free_torques import errors_of_readings
+from tp_jax.gap.policy import POLICY, StructurePolicy
 from tp_jax.recordings.noise import quantum
 
 SIZES = (0.0, 10.0)  # tau
@@ -48,12 +49,15 @@ class FreeStructure:
     ratio: float
 
 
-def free_structure(setting: Setting, fit: Fit) -> FreeStructure:
+def free_structure(
+    setting: Setting, fit: Fit, policy: StructurePolicy = POLICY.structure
+) -> FreeStructure:
     """Test that a fit leaves nothing but noise.
 
     Args:
         setting: the campaign.
         fit: at its optimum.
+        policy: how well coloured noise is known.
     """
     lin, n_windows = fit.linearisation, fit.problem.windows.n
     readings = errors_of_readings(setting, fit)
@@ -86,6 +90,7 @@ def free_structure(setting: Setting, fit: Fit) -> FreeStructure:
     noise = _mean_squares(fit, lin.r + np.einsum("wmx,wx->wm", lin.states_jac, left.state_step))
     best = FreeStructure(1.0, "", 1.0)
     tests = 0
+    known = 1.0 + (policy.colour if fit.problem.coloured else 0.0)
     for name in dict.fromkeys(source.tolist()):
         mine = np.flatnonzero(source == name)
         scaled = unit[mine]
@@ -100,7 +105,7 @@ def free_structure(setting: Setting, fit: Fit) -> FreeStructure:
             if not (mean > 0.0 and phi > 0.0):
                 continue
             ratio = float((z**2 / (1.0 + tau * value)).sum() / (mean * phi))
-            p = float(stats.f.sf(ratio, mean**2 / square, max(fit.dof, 1)))
+            p = float(stats.f.sf(ratio / known, mean**2 / square, max(fit.dof, 1)))
             if p < best.p or not best.source:
                 best = FreeStructure(p, name, ratio)
     return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))

@@ -164,6 +164,6 @@ def errors_of_readings(setting: Setting, fit: Fit) -> FreeColumns:
             start = -velocity[:, 0, 1] * delay[:, 0]
             rate = -acceleration * delay[:, 0] - velocity[:, 0, 1] * growth
             add("clock", {1: -velocity[:, :, 1] * delay}, {1: start, 3: rate})
-    return FreeColumns(
-        _where_read(fit, np.stack(columns, axis=2)), np.array(source), np.array(weights)
-    )
+    jac = _where_read(fit, np.stack(columns, axis=2))
+    problem.whiten(jac)
+    return FreeColumns(jac, np.array(source), np.array(weights))

@@ -4,6 +4,7 @@ Read once, after the choice of causes is made.
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from scipy import stats
@@ -51,14 +52,28 @@ class HeldOut:
 
 
 def carried_over(values: Values, setting: Setting) -> Values:
-    """Numbers for recordings never fitted, of what belongs to one recording.
+    """Numbers for the held-out recordings, of what belongs to one recording."""
+    return expected_elsewhere(values, setting, setting.fitted, setting.held_out)
 
-    The mean of the fitted ones; of a drive's error, which may be the same in all runs or another in
+
+def expected_elsewhere(
+    values: Values, setting: Setting, seen: Sequence[int], elsewhere: Sequence[int]
+) -> Values:
+    """Numbers for recordings that were not fitted, of what belongs to one recording.
+
+    The mean of those that were; of a drive's error, which may be the same in all runs or another in
     each, as much of it as the runs have in common.
+
+    Args:
+        values: of a fit. setting: its campaign.
+        seen: recordings that were fitted. elsewhere: the others.
     """
+    if not len(elsewhere):
+        return values
+    seen, elsewhere = list(seen), list(elsewhere)
     table = values.table.copy()
     running = table[setting.layout.index["running"]]
-    driven = [i for i in setting.fitted if running[i] > 0.0]
+    driven = [i for i in seen if running[i] > 0.0]
     of_drive = {
         e.qualified(a.name)
         for e in setting.layout.effects if "sine" in e.needs
@@ -68,8 +83,8 @@ def carried_over(values: Values, setting: Setting) -> Values:
         if p.scope == "recording" and p.name not in FIXED_BY_RECORDING:
             # a motor that stands has nothing to say of its speed
             ours = p.name in of_drive and bool(driven)
-            expected = _in_common(table[i, driven]) if ours else table[i, setting.fitted].mean()
-            table[i, setting.held_out] = expected
+            expected = _in_common(table[i, driven]) if ours else table[i, seen].mean()
+            table[i, elsewhere] = expected
     return Values(values.layout, table)
 
 
@@ -107,7 +122,7 @@ def evaluate(setting: Setting, values: Values, horizon: float, effects=()) -> He
 def squares(result: Fit) -> HeldOut:
     """Sums of squares by window and channel of a fit."""
     problem = result.problem
-    r = result.linearisation.r[:, :-4]
+    r = result.linearisation.samples
     nw = r.shape[0]
     valid = result.linearisation.valid[:, :-4].reshape(nw, -1, 2)
     error = (r.reshape(nw, -1, 2) * problem.sigma) * valid

@@ -122,12 +122,12 @@ def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15)
     last = trial.variants[-1]
     if not any(s.continuous for s in last.effect.shapes):
         return trial
-    unknowns, bounds = _with_shapes(setting, trial)
+    unknowns, bounds = with_shapes(setting, trial)
     found = _again(trial.fit, trial.fit.values, unknowns, bounds, max_iterations, _coarse(before))
     return _with_its_shapes(trial, found)
 
 
-def _with_shapes(setting: Setting, result: Refit) -> tuple[list[Unknown], dict]:
+def with_shapes(setting: Setting, result: Refit) -> tuple[list[Unknown], dict]:
     """Unknowns and bounds with the continuous shape constants of all effects.
 
     Of those before the last too: they were found beside less.
@@ -169,7 +169,7 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     *others, last = trial.variants
     constants = {last.effect.qualified(s.name) for s in last.effect.shapes}
     unknowns = [u for u in trial.fit.unknowns if u.name not in constants]  # from the grid
-    _, bounds = _with_shapes(setting, trial)
+    _, bounds = with_shapes(setting, trial)
     target = trial.fit.problem.windows.horizon
     horizons = [*(h for h in setting.horizons if h < 0.99 * target), target]
     stuck = [u for u, b in zip(before.unknowns, before.at_bound, strict=True) if b]
@@ -215,7 +215,7 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
     anew from inside, and kept where it does better.
     """
     before = result.fit
-    unknowns, bounds = _with_shapes(setting, result)
+    unknowns, bounds = with_shapes(setting, result)
     done = _again(before, before.values, unknowns, bounds, max_iterations)
     stuck = [u for u, b in zip(done.unknowns, done.at_bound, strict=True) if b]
     inside = _inside(done.problem, stuck)
@@ -238,7 +238,7 @@ def sharper(setting: Setting, result: Refit) -> Refit:
     """The same model fitted with the sharpest friction (see `sharpen`)."""
     if not result.ids:
         return Refit(sharpened(setting, result.fit), ())
-    _, bounds = _with_shapes(setting, result)
+    _, bounds = with_shapes(setting, result)
     return _with_its_shapes(result, sharpened(setting, result.fit, bounds=bounds))
 
 
@@ -254,13 +254,13 @@ def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
     should be to make the best of it. For a model that leaves noise alone it changes nothing.
     """
     longest = max(setting.recordings[i].duration for i in setting.fitted)
-    horizon = min(factor * result.fit.problem.windows.horizon, longest)
-    step = float(np.median(np.diff(setting.prepared[setting.fitted[0]].t)))
-    if horizon / step > MOST_SAMPLES:
+    step = min(float(np.median(np.diff(setting.prepared[i].t))) for i in setting.fitted)
+    horizon = min(factor * result.fit.problem.windows.horizon, longest, MOST_SAMPLES * step)
+    if horizon < 1.2 * result.fit.problem.windows.horizon:
         return result
     problem = setting.problem(horizon).at(result.fit.problem.tolerances)
     states = handed_on(result.fit, problem)
-    _, bounds = _with_shapes(setting, result)
+    _, bounds = with_shapes(setting, result)
     longer = fit(
         problem, result.fit.values, result.fit.unknowns, states, bounds=bounds,
         anchors=result.fit.anchors, max_iterations=25, relative=1e-6,

@@ -55,7 +55,7 @@ class Scored:
 class Screen:
     """All effects and grid points.
 
-    information: (E, E) over all their columns, efficient; information_by_block: (B, E, E) its
+    total: (E,) efficient scores, summed over windows; information: (E, E) over all their columns, efficient; information_by_block: (B, E, E) its
     parts, which are the covariances of the blocks' scores where nothing but noise is in them; one
     more if there is a calibration's error, for what that may do to their sum.
     """
@@ -64,6 +64,24 @@ class Screen:
     information: np.ndarray
     information_by_block: np.ndarray
     not_applicable: dict[str, str]
+    total: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(0))
+
+    def pair(self, limit: int = 12) -> tuple[Scored, Scored, float] | None:
+        """The two effects that would help most together, and their predicted drop.
+
+        Of the `limit` best ones, each at its best grid point; None where there are fewer than two.
+        What two effects take together may be more than what either seems to take alone.
+        """
+        ranked = [s for s in self.best() if s.unbounded > 0.0][:limit]
+        found = None
+        for i, a in enumerate(ranked):
+            for b in ranked[i + 1 :]:
+                rows = np.r_[a.rows, b.rows]
+                V, score = self.information[np.ix_(rows, rows)], self.total[rows]
+                _, drop, _ = _predicted((a.variant, b.variant), V, score)
+                if found is None or drop > found[2]:
+                    found = (a, b, drop)
+        return found
 
     def best(self) -> list[Scored]:
         """Each effect at its best grid point, largest predicted drop first."""
@@ -146,24 +164,26 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
     scored = []
     for variant, rows in order:
         Ve, s = V[rows, rows], total[rows]
-        estimate, drop, unbounded = _predicted(variant, Ve, s)
+        estimate, drop, unbounded = _predicted((variant,), Ve, s)
         scored.append(
             Scored(
                 variant, drop, unbounded, estimate, Ve, by_block[:, rows],
                 -gain[: len(base), rows] @ estimate, rows,
             )
         )  # fmt: skip
-    return Screen(tuple(scored), V, V_by_block, missing)
+    return Screen(tuple(scored), V, V_by_block, missing, total)
 
 
-def _predicted(variant: Variant, V: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, float, float]:
+def _predicted(
+    together: Sequence[Variant], V: np.ndarray, s: np.ndarray
+) -> tuple[np.ndarray, float, float]:
     """Amplitudes (q,) within their bounds, the drop that they promise, and that without bounds."""
     inverse = pseudo_inverse(V)
     estimate, unbounded = -inverse @ s, float(s @ inverse @ s)
-    bounds = {variant.effect.qualified(a.name): a for a in variant.effect.amplitudes}
+    bounds = {v.effect.qualified(a.name): a for v in together for a in v.effect.amplitudes}
     low, high = np.array(
-        [(bounds[u.name].lower, bounds[u.name].upper) for u in variant.unknowns]
-    ).T  # fmt: skip
+        [(bounds[u.name].lower, bounds[u.name].upper) for v in together for u in v.unknowns]
+    ).T
     if np.all((estimate >= low) & (estimate <= high)):
         return estimate, unbounded, unbounded
     live = np.diag(inverse) > 0.0  # an amplitude that the data do not know stays at null

@@ -71,7 +71,7 @@ def residuals(setting: Setting, before: HeldOut, after: HeldOut | None, least: F
                 series[name] = None
                 continue
             lin = held.fit.linearisation
-            r = np.where(lin.complete[:, None], lin.r, np.nan)
+            r = np.where(lin.complete[:, None], lin.samples, np.nan)
             rows = [r[j, : 2 * windows.count[j]].reshape(-1, 2) for j in mine]
             series[name] = np.concatenate(rows)
         keep = _thin(p.t.size)

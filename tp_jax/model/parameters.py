@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-Transform = Literal["log", "identity"]
+Transform = Literal["log", "identity", "asinh"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -21,7 +21,9 @@ class Parameter:
         unit: SI unit.
         lower, upper: bounds in SI units for B1 = `REFERENCE_B1`; `scaled` moves them.
         transform: coordinate in which it is estimated. "log" keeps it positive; "identity" lets
-            it reach a bound at zero (friction that is not there).
+            it reach a bound at zero (friction that is not there); "asinh" of value / typical is
+            linear below the typical size and logarithmic above it: it spans decades like a
+            logarithm, and yet zero is a few steps away (the spring of a column that gravity holds).
         per_inertia: whether it scales with B1 (inertias and torques do).
         scope: one value per "campaign", or one per "recording".
         typical: size of a typical step, for scaling.
@@ -52,16 +54,23 @@ class Parameter:
     def to_coordinate(self, value: np.ndarray | float) -> np.ndarray:
         """Value to the coordinate in which it is estimated."""
         value = np.asarray(value, dtype=float)
-        return np.log(value) if self.transform == "log" else value / self.typical
+        if self.transform == "log":
+            return np.log(value)
+        scaled = value / self.typical
+        return np.arcsinh(scaled) if self.transform == "asinh" else scaled
 
     def from_coordinate(self, u: np.ndarray | float) -> np.ndarray:
         """Coordinate to value."""
         u = np.asarray(u, dtype=float)
-        return np.exp(u) if self.transform == "log" else u * self.typical
+        if self.transform == "log":
+            return np.exp(u)
+        return (np.sinh(u) if self.transform == "asinh" else u) * self.typical
 
     def slope(self, value: float) -> float:
         """Derivative of the value with respect to its coordinate."""
-        return value if self.transform == "log" else self.typical
+        if self.transform == "log":
+            return value
+        return float(np.hypot(value, self.typical)) if self.transform == "asinh" else self.typical
 
 
 REFERENCE_B1 = 1.0e-3  # kg m^2, the size of rig for which the bounds below are written
@@ -77,7 +86,8 @@ BASE = (
     ),
     Parameter("B2", "kg m^2", 1e-5, 1e-1, "log", True, description="inertia of the rider"),
     Parameter(
-        "k", "N m/rad", 1e-5, 1e2, "log", True, description="stiffness of the torsion spring"
+        "k", "N m/rad", 1e-5, 1e2, "asinh", True, typical=0.1,
+        description="stiffness of the torsion spring",
     ),
     Parameter("A", "rad", 1e-3, 3.0, "log", description="amplitude of the drive"),
     Parameter(

@@ -27,6 +27,9 @@ from tp_jax.recordings.gaps import stretches as stretches
 from tp_jax.recordings.holdout import hold_out as hold_out
 from tp_jax.recordings.noise import noise_floor as noise_floor
 from tp_jax.recordings.noise import noise_level as noise_level
+from tp_jax.recordings.noise_colour import Colour as Colour
+from tp_jax.recordings.noise_colour import noise_colour as noise_colour
+from tp_jax.recordings.noise_colour import same_rate as same_rate
 from tp_jax.recordings.recording import Recording as Recording
 from tp_jax.recordings.smooth import Smoothed as Smoothed
 from tp_jax.recordings.smooth import local_polynomial as local_polynomial

@@ -1,0 +1,149 @@
+"""What a model predicts of motions that it was not fitted to.
+
+Groups of windows (whole recordings, or long spans where there are few) are left out in turn, all
+unknowns are fitted again without them, and the group is predicted: in the windows of the fit, and in
+longer ones, where an error of the model has time to grow. Only the windows' states are estimated
+there, and the zeros of that recording. What belongs to a recording that was left out is what the
+others have in common.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting, handed_on
+from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.problem import room
+from tp_jax.estimation.variable_projection import fit
+from tp_jax.estimation.window_states import of_windows
+from tp_jax.estimation.windows import cut
+from tp_jax.gap.held_out import expected_elsewhere
+from tp_jax.gap.policy import ConfirmPolicy, FoldPolicy
+from tp_jax.gap.refit import Refit, with_shapes
+
+ZEROS = ("zero2",)
+
+
+def groups(setting: Setting, fit: Fit, policy: FoldPolicy, within: bool = False) -> np.ndarray:
+    """Group of each window (w,): recordings, or spans of them where there are few.
+
+    Args:
+        setting: the campaign. fit: some of its windows. policy: how many groups.
+        within: halves of recordings, for what differs from one to another.
+    """
+    w = fit.problem.windows
+    which = np.unique(w.recording)
+    spans = max(2 if within else 1, int(np.ceil(policy.groups / which.size)))
+    out = np.zeros(w.n, dtype=int)
+    count = 0
+    for r in which:
+        mine = np.flatnonzero(w.recording == r)
+        t = setting.prepared[r].t
+        longest = (t[-1] - t[0]) / (policy.periods * setting.period)
+        n = int(np.clip(min(spans, longest), 1, mine.size))
+        part = np.minimum(np.arange(mine.size) * n // mine.size, n - 1)
+        out[mine] = count + part
+        count += n
+    return out
+
+
+@dataclasses.dataclass(frozen=True)
+class LeftOut:
+    """Errors of a model on groups that it was not fitted to.
+
+    short: (G,) sums of squares in units of the noise, in the windows of the fit; long: (G,) mean
+    squares [rad^2] over long windows, NaN where it could not be integrated; unknowns: (G, u)
+    fitted without each group.
+    """
+
+    short: np.ndarray
+    long: np.ndarray
+    unknowns: np.ndarray
+
+
+def left_out(
+    setting: Setting, result: Refit, group: np.ndarray, policy: ConfirmPolicy
+) -> LeftOut:
+    """Fits a model without each group and predicts the group.
+
+    Args:
+        setting: the campaign.
+        result: fitted to all of it.
+        group: of each window, see `groups`.
+        policy: how long the long windows are.
+    """
+    whole = result.fit
+    windows = whole.problem.windows
+    short, long, unknowns = [], [], []
+    for g in np.unique(group):
+        inside = group == g
+        rest = np.flatnonzero(~inside)
+        gone = set(windows.recording[inside]) - set(windows.recording[rest])
+        part = of_windows(whole.problem, rest)
+        ours = [u for u in whole.unknowns if u.recording not in gone]
+        again = fit(
+            part, whole.values, ours, whole.states[rest], bounds=with_shapes(setting, result)[1],
+            anchors=[a for a in whole.anchors if a.unknown in ours],
+            max_iterations=policy.steps, relative=1e-5,
+        )  # fmt: skip
+        seen = sorted(set(windows.recording[rest]))
+        values = expected_elsewhere(again.values, setting, seen, sorted(gone))
+        free = [u for u in whole.unknowns if u.recording in gone and u.name in ZEROS]
+        mine = np.flatnonzero(inside)
+        there = _states_fitted(setting, result, values, free, mine, None)
+        short.append(there.linearisation.cost())
+        longer = _states_fitted(setting, result, values, free, mine, policy.long)
+        error = longer.linearisation.samples * _sigma(longer)
+        valid = longer.linearisation.valid[:, :-4]
+        complete = longer.linearisation.complete.all()
+        long.append(float((error[valid] ** 2).mean()) if complete and valid.any() else np.nan)
+        unknowns.append(values.pick(whole.unknowns))
+    return LeftOut(np.array(short), np.array(long), np.array(unknowns))
+
+
+def _sigma(found: Fit) -> np.ndarray:
+    return np.tile(found.problem.sigma, found.linearisation.samples.shape[1] // 2)
+
+
+def _states_fitted(
+    setting: Setting,
+    result: Refit,
+    values: Values,
+    free: list[Unknown],
+    mine: np.ndarray,
+    factor: float | None,
+) -> Fit:
+    """The windows of a group, or longer ones over the same samples, with their states fitted."""
+    whole = result.fit
+    problem, states = of_windows(whole.problem, mine), whole.states[mine]
+    if factor is not None:
+        w = problem.windows
+        # as long as the program at hand takes
+        step = min(float(np.median(np.diff(whole.problem.prepared[r].t))) for r in w.recording)
+        most = (problem.capacity - 2) * step
+        long = cut(list(whole.problem.prepared), min(factor * w.horizon, most))
+        first = {r: int(w.first[w.recording == r].min()) for r in set(w.recording)}
+        last = {r: int((w.first + w.count)[w.recording == r].max()) for r in set(w.recording)}
+        keep = [
+            i for i, r in enumerate(long.recording)
+            if r in first and long.first[i] < last[r] and long.first[i] + long.count[i] > first[r]
+        ]  # fmt: skip
+        begin = np.array([max(long.first[i], first[long.recording[i]]) for i in keep])
+        end = np.array(
+            [min(long.first[i] + long.count[i], last[long.recording[i]]) for i in keep]
+        )
+        enough = end - begin >= 8
+        clipped = dataclasses.replace(
+            long,
+            recording=long.recording[keep][enough], first=begin[enough],
+            count=(end - begin)[enough],
+        )  # fmt: skip
+        problem = dataclasses.replace(
+            problem, windows=clipped, capacity=room(clipped, problem.capacity)
+        )
+        states = handed_on(whole, problem)
+    return fit(
+        problem, values, free, states, anchors=[a for a in whole.anchors if a.unknown in free],
+        max_iterations=12, relative=1e-5,
+    )  # fmt: skip

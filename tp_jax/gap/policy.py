@@ -1,0 +1,87 @@
+"""What decides about causes: every threshold with its unit and its reason.
+
+Values without another source were chosen on development rigs (clean and rough ones that no trial
+scores) so that rigs without an effect raise no more alarms than the levels say.
+"""
+
+import dataclasses
+
+
+@dataclasses.dataclass(frozen=True)
+class FoldPolicy:
+    """How recordings are put into groups that are left out together.
+
+    Attributes:
+        groups: wanted at least; with as many recordings each is one, otherwise they are cut into
+            contiguous spans. Five give a t distribution with four degrees of freedom.
+        periods: of the motion that a span lasts at least; shorter ones resemble their neighbours.
+        fewest: groups below which recordings cannot tell one cause from another.
+    """
+
+    groups: int = 5
+    periods: float = 4.0
+    fewest: int = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class ConfirmPolicy:
+    """When a cause is confirmed by the prediction of what was left out.
+
+    Attributes:
+        deviance, per_amplitude: fall of the left-out sum of squares, over the misfit of the better
+            model, that a cause must bring; as twice a logarithm of likelihoods 16 is odds of 3000
+            to one, for a catalogue of some forty effects about eighty to one.
+        worse: part of what some groups gain that others may lose.
+        harm: rise of the root mean square error over long windows that counts as worse.
+        long: long windows over those of the fit.
+        steps: of a refit with a group left out; it begins at the fit to all of them.
+    """
+
+    deviance: float = 16.0
+    per_amplitude: float = 4.0
+    worse: float = 0.25
+    harm: float = 1.02
+    long: float = 5.0
+    steps: int = 6
+
+
+@dataclasses.dataclass(frozen=True)
+class BackwardPolicy:
+    """When an accepted cause is taken out again, or another takes its place.
+
+    Attributes:
+        deviance, per_amplitude: rise of the sum of squares over the misfit without the cause, the
+            others refitted, below which it is not needed.
+        rivals: effects that are tried in the place of each cause.
+        likeness: |cos| between projected directions from which an effect is a rival.
+    """
+
+    deviance: float = 16.0
+    per_amplitude: float = 4.0
+    rivals: int = 2
+    likeness: float = 0.8
+
+
+@dataclasses.dataclass(frozen=True)
+class StructurePolicy:
+    """When readings deviate in a way that noise would not.
+
+    Attributes:
+        colour: relative error of the spectral density of coloured noise, which is an estimate with
+            two numbers; white noise is known better than any test here asks.
+    """
+
+    colour: float = 0.3
+
+
+@dataclasses.dataclass(frozen=True)
+class Policy:
+    """All of them."""
+
+    folds: FoldPolicy = FoldPolicy()
+    confirm: ConfirmPolicy = ConfirmPolicy()
+    backward: BackwardPolicy = BackwardPolicy()
+    structure: StructurePolicy = StructurePolicy()
+
+
+POLICY = Policy()
