@@ -19,5 +19,6 @@ class SpringDeadzone(Effect):
 
     def increment(self, m, g):  # type: ignore[override]
         """See the class."""
-        # clip(d, -g, g), written so that its derivative at g = 0 is sign(d) on both sides
-        return -m.k * jnp.sign(m.d) * jnp.minimum(jnp.abs(m.d), g)
+        # clip(d, -g, g), with the derivatives sign(d) by g at null and 1 by d at d = 0; within the
+        # gap exactly -k d, lest rounding be a torque
+        return -m.k * jnp.where(jnp.abs(m.d) <= g, m.d, jnp.sign(m.d) * g)
