@@ -45,6 +45,11 @@ FORMULAS: dict[str, tuple[str, Callable[..., float]]] = {
     "bearing_drag": ("ML", lambda q, a: q.c1 * q.v1 + q.M1 * q.S1 + a * q.v1 * abs(q.v1)),
     "bearing_warmup": ("ML", lambda q, a: (q.c1 * q.v1 + q.M1 * q.S1) * (1 + a * q.s)),
     "bearing_asymmetry": ("ML", lambda q, a: q.c1 * q.v1 + q.M1 * (q.S1 + a * abs(q.S1))),
+    "bearing_load": ("ML", lambda q, a: (
+        q.c1 * q.v1 + q.M1 * q.S1 * (1 + a * abs(q.spring) / q.M1))),
+    # below zero, where there is no gap, the formula goes on although physics does not
+    "spring_deadzone": ("spring", lambda q, g: q.k * (
+        q.d - math.copysign(1.0, q.d) * min(abs(q.d), g))),
     "contact_stribeck": ("MT", lambda q, a, vs: (
         q.Tv * q.v2 + q.dry2 * (1 + a * math.exp(-((q.v2 / vs) ** 2))))),
     "contact_position": ("MT", lambda q, a, b, n: q.Tv * q.v2 + q.dry2 * (
@@ -59,6 +64,16 @@ FORMULAS: dict[str, tuple[str, Callable[..., float]]] = {
     "contact_repeatability": ("MT", lambda q, a: q.Tv * q.v2 + q.dry2 + a * q.Ts1 * q.S2),
     "column_tilt": ("column", lambda q, a, b: (
         q.column - (a * math.sin(q.phi1) + b * math.cos(q.phi1)))),
+    "elastic_stop": ("column", lambda q, a, b, s: (
+        q.column - (a * (q.phi1 - s) if q.phi1 > s else b * (q.phi1 + s) if q.phi1 < -s else 0))),
+    "sensor1_eccentricity": ("y1", lambda q, a, b: (
+        q.phi1 + a * math.sin(q.phi1) + b * (math.cos(q.phi1) - 1))),
+    "sensor2_eccentricity": ("y2", lambda q, a, b: (
+        q.phi2 + a * math.sin(q.phi2) + b * (math.cos(q.phi2) - 1))),
+    "sensor1_interpolation": ("y1", lambda q, a, b, n: (
+        q.phi1 + a * math.sin(n * q.phi1) + b * (math.cos(n * q.phi1) - 1))),
+    "sensor2_interpolation": ("y2", lambda q, a, b, n: (
+        q.phi2 + a * math.sin(n * q.phi2) + b * (math.cos(n * q.phi2) - 1))),
     "sensor1_nonlinearity": ("y1", lambda q, a: (
         q.phi1 + a * (math.sin(2 * q.phi1) / 2 - q.phi1))),
     "sensor2_nonlinearity": ("y2", lambda q, a: (

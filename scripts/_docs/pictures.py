@@ -3,10 +3,12 @@
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 import tp_jax as tp
 from tp_jax._config import enable_compilation_cache
 from tp_jax.effects import Applied, Effect
+from tp_jax.model.drive import PiecewiseCubicDrive
 from tp_jax.report import style
 from tp_jax.report.formatting import angle_unit, unit
 
@@ -56,10 +58,28 @@ def traces() -> dict[str, Trace]:
     states = np.concatenate([states, own])
     read = jax.vmap(lambda model, y: model.readings(ts, tuple(y)), in_axes=(0, 1))
     y1, y2 = (np.asarray(y) for y in read(models, states))
-    return {
+    found = {
         effect.id: Trace(ts, y1[i] - y1[-1], y2[i] - y2[-1], _size(effect))
         for i, effect in enumerate(catalogue)
     }
+    return found | {e.id: _of_measured(e, bench, ts) for e in catalogue if e.reads_later}
+
+
+def _of_measured(effect: Effect, bench: dict[str, float], ts: np.ndarray) -> Trace:
+    """The trace of an effect that a commanded sine has not: the same sine, measured."""
+    import dataclasses
+
+    fine = np.linspace(-1.0, DURATION + 1.0, 4001)
+    reading = CubicSpline(fine, bench["A"] * np.sin(bench["omega"] * fine)).c
+    runs = []
+    for present in (1.0, 0.0):
+        terms = (Applied(effect, _values(effect, present)),)
+        model = tp.presets.double_pendulum(**bench, terms=terms)
+        drive = PiecewiseCubicDrive(1.0, 0.0, fine, reading)
+        runs.append(tp.simulate(dataclasses.replace(model, drive=drive), ts))
+    late, plain = runs
+    change = [np.asarray(a - b) for a, b in zip(late[1:3], plain[1:3], strict=True)]
+    return Trace(ts, *change, _size(effect))
 
 
 def picture(trace: Trace) -> "Figure":

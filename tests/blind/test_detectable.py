@@ -32,7 +32,7 @@ def test_a_restart_goes_on_as_before():
 
 def test_needed_noncentrality():
     # (z(0.05 / tests / 2) + z(0.05))^2 for one amplitude
-    assert needed(SHORT, "spring_asymmetry") == pytest.approx(23.2, abs=0.5)
+    assert needed(SHORT, "spring_asymmetry") == pytest.approx(23.8, abs=0.5)
     assert needed(SHORT, "column_tilt") > needed(SHORT, "spring_asymmetry")
     # what nobody looks for must be larger
     assert needed(SHORT, "motor_stall") > 5 * needed(SHORT, "spring_asymmetry")

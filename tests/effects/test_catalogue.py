@@ -24,6 +24,10 @@ LOCATIONS = {
     "base_compliance": "base", "sensor1_nonlinearity": "sensor1", "sensor2_nonlinearity": "sensor2",
     "sensor1_drift": "sensor1", "sensor2_drift": "sensor2", "sensor_crosstalk": "sensor2",
     "channel_delay": "clock", "clock_skew": "clock", "reaction_factor": "model",
+    "sensor1_eccentricity": "sensor1", "sensor2_eccentricity": "sensor2",
+    "sensor1_interpolation": "sensor1", "sensor2_interpolation": "sensor2",
+    "drive_delay": "clock", "bearing_load": "bearing", "spring_deadzone": "drive",
+    "elastic_stop": "column",
 }  # fmt: skip
 
 #: Amplitudes of which every recording has its own.
@@ -39,6 +43,9 @@ GRIDS = {
     "bearing_presliding": (1e-3, 3e-3, 1e-2, 3e-2),
     "contact_cogging": (1, 2, 3, 4),
     "column_cable": (0.05, 0.15, 0.5),
+    "sensor1_interpolation": (2, 4),
+    "sensor2_interpolation": (2, 4),
+    "elastic_stop": (0.05, 0.1, 0.2, 0.4, 0.8),
 }
 
 every_effect = pytest.mark.parametrize("effect", catalogue().values(), ids=list(catalogue()))
@@ -51,7 +58,7 @@ modules = [
 
 def test_no_id_but_those_of_the_table():
     assert set(catalogue()) <= set(LOCATIONS)
-    assert len(catalogue()) >= 27
+    assert len(catalogue()) >= 41
     assert list(catalogue()) == sorted(catalogue())
 
 
@@ -92,13 +99,14 @@ def test_amplitudes_and_shapes_are_sound(effect):
 
 @every_effect
 def test_needs_follow_from_what_it_is(effect):
-    assert effect.needs <= {"rider", "sine", "several", "inertias"}
+    assert effect.needs <= {"rider", "sine", "measured", "several", "inertias"}
     about_phi2 = effect.hook in ("contact", "sensor2")
     assert ("rider" in effect.needs) == (about_phi2 or effect.id == "reaction_factor")
     if effect.id == "reaction_factor":
         assert "inertias" in effect.needs
     if effect.id == "contact_repeatability":
         assert "several" in effect.needs
+    assert ("measured" in effect.needs) == bool(effect.reads_later)
     if effect.hook in ("phase", "clock"):
         assert "sine" in effect.needs
 

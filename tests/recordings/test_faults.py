@@ -235,6 +235,38 @@ def test_fault_in_values(fault, campaign_folder, write_run, run_columns):
         assert part in message
 
 
+def _winding(t):
+    return 20.0 * t + 0.3 * np.sin(9.0 * t)
+
+
+def test_a_column_that_turns_round_and_round(campaign_folder, edit, write_run, run_columns):
+    t, _, phi2 = run_columns
+    write_run(RUN, "t,phi1,phi2", t, _winding(t), phi2)
+    assert "rotates = true under [rig]" in told(campaign_folder)
+    edit(TOML, "[rig]", "[rig]\nrotates = true")
+    assert np.ptp(load_campaign(campaign_folder).recordings[2].phi1) > 30.0
+
+
+@pytest.mark.parametrize(
+    "spoil", [lambda x: np.degrees(x), lambda x: x - 2.0 * np.pi * np.round(x / (2.0 * np.pi))]
+)
+def test_turns_that_are_not_counted(spoil, campaign_folder, edit, write_run, run_columns):
+    t, _, phi2 = run_columns
+    write_run(RUN, "t,phi1,phi2", t, spoil(_winding(t)), phi2)
+    edit(TOML, "[rig]", "[rig]\nrotates = true")
+    message = told(campaign_folder)
+    assert "phi1 leaps" in message
+    assert "degrees" in message
+
+
+def test_a_leap_across_a_gap_is_none(campaign_folder, edit, write_run, run_columns):
+    t, _, phi2 = run_columns
+    kept = (t < 0.8) | (t > 1.2)
+    write_run(RUN, "t,phi1,phi2", t[kept], _winding(t)[kept], phi2[kept])
+    edit(TOML, "[rig]", "[rig]\nrotates = true")
+    load_campaign(campaign_folder)
+
+
 @pytest.mark.parametrize("content", [b"", b"\r\n \r\n\n", b"\xef\xbb\xbf"])
 def test_empty_file(content, campaign_folder):
     (campaign_folder / RUN).write_bytes(content)

@@ -88,13 +88,16 @@ class Effect:
             sensor1 [rad], sensor2 [rad].
         amplitudes, shapes: see `Amplitude` and `Shape`.
         needs: conditions a campaign must meet: "rider" (two angles), "sine" (a commanded drive),
-            "several" (more than one recording), "inertias" (B1 and B2 given).
+            "measured" (a measured drive), "several" (more than one recording), "inertias" (B1 and
+            B2 given).
         uses_phi1: the increment depends on phi1 itself, so that its zero matters beyond the rest
             position; a nuisance where the drive is measured (with a sine it is one anyway).
         uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
         relative: the parameter whose part the amplitude of each recording is, where that is so:
             what they have in common is then the parameter's, and only their differences matter.
         n_states: number of states of its own, each in rad, zero where a run begins at rest.
+        reads_later: the amplitude [s] by which it has a measured drive read later, if it does;
+            its increment is then `m.later` of it.
         formula, source, looks_like: for people.
     """
 
@@ -108,6 +111,7 @@ class Effect:
     uses_phi2: ClassVar[bool] = False
     relative: ClassVar[str] = ""
     n_states: ClassVar[int] = 0
+    reads_later: ClassVar[str] = ""
     formula: ClassVar[str] = ""
     source: ClassVar[str] = ""
     looks_like: ClassVar[str] = ""

@@ -104,6 +104,15 @@ class Layout:
         """Effects that change what is read, not what moves."""
         return frozenset(e.id for e in self.effects if e.hook in SENSORS)
 
+    def lateness(self, table: np.ndarray) -> np.ndarray:
+        """By how much later than recorded a measured drive is to be read (R,) [s].
+
+        Args:
+            table: all numbers (slots, R).
+        """
+        late = [self.index[e.qualified(e.reads_later)] for e in self.effects if e.reads_later]
+        return table[late].sum(axis=0)
+
     @functools.cached_property
     def families(self) -> tuple[frozenset[str], ...]:
         """Effects of the motion in groups: what they add to a step's cost is alike.

@@ -10,7 +10,7 @@ from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.placement import SHORTEST, expected_steps, place
 from tp_jax.estimation.program import NONE, Block, Programs, linearise, remember
 from tp_jax.estimation.two_threads import by_two
-from tp_jax.estimation.windows import Prepared, Windows
+from tp_jax.estimation.windows import Prepared, Windows, read_later
 from tp_jax.simulation.lanes import Tolerances
 
 LANES = 8  # lanes in a block; a lane holds several windows one after the other
@@ -142,11 +142,19 @@ class Problem:
         if not self.measured:
             return t, y, None
         pieces = np.zeros((len(self.prepared), n, 4))
-        for r, p in enumerate(self.prepared):
-            if p.pieces is not None:
-                pieces[r, : p.t.size - 1] = p.pieces
-                pieces[r, p.t.size - 1 :] = p.pieces[-1]
+        for r, (p, read) in enumerate(zip(self.prepared, self._drives(values), strict=True)):
+            if read is not None:
+                pieces[r, : p.t.size - 1] = read
+                pieces[r, p.t.size - 1 :] = read[-1]
         return t, y, pieces
+
+    def _drives(self, values: Values) -> list[np.ndarray | None]:
+        """Pieces of all recordings' measured drives, read as late as the values have it."""
+        late = self.layout.lateness(values.table)
+        return [
+            None if p.pieces is None else read_later(p.t, p.pieces, float(x))
+            for p, x in zip(self.prepared, late, strict=True)
+        ]
 
     def degrees_of_freedom(self, unknowns: int) -> int:
         """Samples less estimated window states and unknowns.
@@ -177,7 +185,6 @@ class Problem:
         begins = np.zeros((n // SHORTEST, LANES), dtype=int)
         prior = np.zeros((n // SHORTEST, 4, LANES))
         prior_weight = np.zeros((n // SHORTEST, 4, LANES))
-        pieces = np.zeros((n - 1, 4, LANES)) if self.measured else None
         count = np.ones(LANES, dtype=int)
         for i, (_, lane, at, rank) in zip(which, places, strict=True):
             p, f, c = self.prepared[w.recording[i]], w.first[i], w.count[i]
@@ -189,10 +196,22 @@ class Problem:
             start[at, lane] = True
             begins[rank, lane] = at
             prior[rank, :, lane], prior_weight[rank, :, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
-            if pieces is not None and p.pieces is not None:
-                pieces[at : at + c - 1, :, lane] = p.pieces[f : f + c - 1]
             count[lane] = at + c
+        pieces = self._pieces(which, places, [p.pieces for p in self.prepared])
         return Block(ts, count, start, data, weight, begins, prior, prior_weight, pieces)  # type: ignore[arg-type]
+
+    def _pieces(
+        self, which: np.ndarray, places: np.ndarray, drives: Sequence[np.ndarray | None]
+    ) -> np.ndarray | None:
+        """Pieces of the recordings' measured drives (n - 1, 4, L) as a block has them."""
+        if not self.measured:
+            return None
+        w, pieces = self.windows, np.zeros((self.capacity - 1, 4, LANES))
+        for i, (_, lane, at, _) in zip(which, places, strict=True):
+            read, f, c = drives[w.recording[i]], w.first[i], w.count[i]
+            if read is not None:
+                pieces[at : at + c - 1, :, lane] = read[f : f + c - 1]
+        return pieces
 
     def blocks(self) -> list[tuple[np.ndarray, np.ndarray, Block]]:
         """Windows, their places (w, 4) and the data of all blocks; made once."""
@@ -269,11 +288,15 @@ class Problem:
         # neighbours are of different programs, so that two of them are compiled at once
         jobs = [(b, d) for b in range(len(self.blocks())) for d in range(len(portions))]
         spare = self.layout.index["reaction"]
+        late = self.measured and np.any(self.layout.lateness(values.table))
+        drives = self._drives(values) if late else []
         past = {ids: self.own_states(values, ids) if own is None else own for _, ids in portions}
 
         def run(job):
             b, d = job
             which, places, block = self.blocks()[b]
+            if late:
+                block = block._replace(pieces=self._pieces(which, places, drives))
             _, lane, at, _ = places.T
             part, ids = portions[d]
             p = np.repeat(values.table[:, :1], LANES, axis=1)

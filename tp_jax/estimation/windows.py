@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PPoly
 
 from tp_jax.model.dahl import play_along
 from tp_jax.recordings import Recording
@@ -84,6 +84,24 @@ def prepare(
         error = float(np.median(sd[:, c]))
         path[:, c] = play_along(smooth[:, c], NOISE_OF_PATH * error)
     return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces, path, colour)
+
+
+def read_later(t: np.ndarray, pieces: np.ndarray, late: float) -> np.ndarray:
+    """Pieces (n - 1, 4) of a curve that is read `late` seconds later.
+
+    The curve at the samples' times and `late`, joined anew: in error by (omega h)^4 / 200 of a
+    sine's amplitude for samples h apart. Beyond its ends it goes on straight.
+
+    Args:
+        t: (n,) times of the samples [s].
+        pieces: (n - 1, 4) cubic coefficients between them, highest power first.
+        late: how much later [s].
+    """
+    if not late:
+        return pieces
+    curve = PPoly(pieces.T, t)
+    at = np.clip(t + late, t[0], t[-1])
+    return CubicSpline(t, curve(at) + curve(at, 1) * (t + late - at)).c.T
 
 
 @dataclasses.dataclass(frozen=True)

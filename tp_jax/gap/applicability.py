@@ -15,6 +15,8 @@ def conditions(setting: Setting) -> frozenset[str]:
         met.add("rider")
     if setting.sine:
         met.add("sine")
+    if any(setting.recordings[i].measured_drive for i in setting.fitted):
+        met.add("measured")
     if len(setting.fitted) > 1:
         met.add("several")
     if setting.campaign.B1 is not None and "B2" in setting.fixed:
@@ -55,6 +57,7 @@ def why_not(effect: Effect, setting: Setting) -> str | None:
     words = {
         "rider": "it needs the angle of a rider",
         "sine": "it needs a commanded sine drive",
+        "measured": "it needs a measured drive",
         "several": "it needs more than one recording",
         "inertias": "it needs B1 and B2 from elsewhere",
     }

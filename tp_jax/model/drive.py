@@ -3,6 +3,7 @@
 from abc import abstractmethod
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -24,6 +25,13 @@ class AbstractDrive(eqx.Module):
     @abstractmethod
     def angle(self, t: Float[Array, "..."], theta: Float[Array, "..."]) -> Float[Array, "..."]:
         """Angle f_e of the spring's far end [rad]."""
+
+    def later(self, t: Float[Array, "..."], a: Float[Array, "..."]) -> Float[Array, "..."]:
+        """What the angle gains [rad] if a measured drive is read `a` seconds later.
+
+        A sine is commanded, not read: it gains nothing.
+        """
+        return 0.0 * (t + a)
 
     @property
     @abstractmethod
@@ -82,9 +90,19 @@ class PiecewiseCubicDrive(AbstractDrive):
         return jnp.zeros_like(t)
 
     def angle(self, t, theta):  # noqa: ARG002
+        return self.gain * self._reading(t)
+
+    def later(self, t, a):
+        # beyond the ends of the record it goes on straight
+        at = jnp.clip(t + a, self.knots[0], self.knots[-1])
+        ahead = t + a - at
+        reading, slope = jax.jvp(self._reading, (at,), (jnp.ones_like(at),))
+        beyond = jnp.where(ahead == 0.0, 0.0, slope * ahead)
+        return self.gain * (reading + beyond - self._reading(t))
+
+    def _reading(self, t):
         i = jnp.clip(jnp.searchsorted(self.knots, t, side="right") - 1, 0, self.knots.size - 2)
-        reading = cubic(self.coefficients[:, i], t - self.knots[i])
-        return self.gain * reading
+        return cubic(self.coefficients[:, i], t - self.knots[i])
 
     @property
     def amplitude(self):
@@ -100,7 +118,8 @@ class LanewiseDrive(AbstractDrive):
 
     A commanded lane has gain and offset 0, a measured one A = 0; so both kinds are data of the
     same program. Fields as in `SineDrive` and `PiecewiseCubicDrive`; `piece` is (4, ...), `left`
-    the start of the piece [s].
+    the start of the piece [s]. The pieces of a drive that is read later are those of what is read
+    then (`later`).
     """
 
     A: Float[Array, "..."]
@@ -117,6 +136,13 @@ class LanewiseDrive(AbstractDrive):
     def angle(self, t, theta):
         reading = cubic(self.piece, t - self.left)
         return self.A * sine(theta) + self.gain * reading
+
+    def later(self, t, a):
+        # The pieces are data, and already those that are read `a` later (`estimation.problem`): of
+        # the delay there is only the derivative left.
+        x = t - self.left
+        slope = (3.0 * self.piece[0] * x + 2.0 * self.piece[1]) * x + self.piece[2]
+        return self.gain * slope * (a - jax.lax.stop_gradient(a))
 
     @property
     def amplitude(self):

@@ -14,6 +14,8 @@ class Motion:
             column.
         theta, A, f, d: drive phase [rad], amplitude [rad], angle f_e [rad]; d = f - phi1.
         f_rate: function of nothing that gives the rate of f [rad/s], worked out when asked for.
+        later: function of a time [s] that gives what f gains [rad] if a measured drive is read so
+            much later; zero for a sine.
         k, spring: stiffness [N m/rad], spring torque on the column [N m].
         sign1, M1, bearing_dry, bearing_viscous, bearing: smoothed sign of v1, coefficient [N m],
             the two parts and their sum M_L [N m].
@@ -26,8 +28,8 @@ class Motion:
 
     __slots__ = (
         "A", "B1", "B2", "M1", "Ts1", "a1", "a2", "bearing", "bearing_dry", "bearing_viscous",
-        "contact", "contact_dry", "contact_viscous", "d", "f", "f_rate", "k", "phi1", "phi2", "s",
-        "sign1", "sign2", "spring", "t", "theta", "v1", "v2", "z",
+        "contact", "contact_dry", "contact_viscous", "d", "f", "f_rate", "k", "later", "phi1",
+        "phi2", "s", "sign1", "sign2", "spring", "t", "theta", "v1", "v2", "z",
     )  # fmt: skip
 
     def __init__(self, **values: Any):

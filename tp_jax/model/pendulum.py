@@ -87,6 +87,7 @@ class AbstractTorsionPendulum(eqx.Module):
         m.A = self.drive.amplitude
         m.theta = self.drive.phase(t)
         m.theta = m.theta + self._sum("phase", m)
+        m.later = lambda a: self.drive.later(t, a)
         m.f = self.drive.angle(t, m.theta) + self._sum("drive", m)
         return m
 

@@ -128,7 +128,7 @@ def _load(toml: Path, plan: Plan) -> Campaign:
         recording = _recording(toml, entry, files[entry.file], model, errors[entry.file])
         if appearances[entry.file] > 1 and entry.span is not None:
             recording = replace(recording, label=spanned(entry.name, entry.span))
-        check_recording(recording, plan.sample_rate)
+        check_recording(recording, plan.sample_rate, plan.rotates)
         recordings.append(recording)
     _check_overlaps(toml, plan, recordings)
     if model == "double" and not any(np.ptp(r.phi2) for r in recordings):

@@ -14,7 +14,10 @@ LEAST_SAMPLES = 50
 
 WIDEST_PHI1 = 12.0
 """Span of phi1 [rad] above which it is taken for degrees: the spring would not stand it. phi2
-has no such bound, the ring may go round and round."""
+has no such bound, the ring may go round and round; nor has phi1 where the column may."""
+
+LEAP = np.pi
+"""Way of phi1 [rad] from one sample to the next that no counted turns have."""
 
 RATE_TOLERANCE = 0.05
 
@@ -72,17 +75,21 @@ def check_span(columns: Columns, entry: Entry, begin: int, end: int, toml: Path)
     raise CampaignError(toml, wrong, "choose a span that covers more of the data", entry.line)
 
 
-def check_recording(recording: Recording, sample_rate: float | None) -> None:
+def check_recording(recording: Recording, sample_rate: float | None, rotates: bool = False) -> None:
     """Faults degrees, a pendulum at rest, and another sample rate than the campaign's.
 
     Args:
         recording: with finite values and rising times.
         sample_rate: as the campaign states it [Hz], or None.
+        rotates: whether the column may turn round and round.
 
     Raises:
         CampaignError: the recording is not what it is said to be.
     """
-    _check_angles(recording)
+    if rotates:
+        _check_turns(recording)
+    else:
+        _check_angles(recording)
     _check_motion(recording)
     if sample_rate is None:
         return
@@ -114,7 +121,23 @@ def _check_angles(recording: Recording) -> None:
             recording.file,
             f"phi1 spans {width:.4g}, too much for radians and probably degrees",
             "give the angles in radians, or scale = 0.017453292519943295 for phi1 and phi2 "
-            "under [format.columns]",
+            "under [format.columns]; if the column turns round and round, rotates = true under "
+            "[rig]",
+        )
+
+
+def _check_turns(recording: Recording) -> None:
+    """An angle that winds goes on from sample to sample: degrees, or turns not counted, leap."""
+    steps, ways = np.diff(recording.t), np.abs(np.diff(recording.phi1))
+    side_by_side = steps < 2.0 * np.median(steps)  # who knows what it did in a gap
+    way = float(ways[side_by_side].max(initial=0.0))
+    if way > LEAP:
+        raise CampaignError(
+            recording.file,
+            f"phi1 leaps by {way:.4g} from one sample to the next, too far for turns that were "
+            "counted on in radians",
+            "add whole turns so that it winds without a leap, or scale = 0.017453292519943295 for "
+            "phi1 and phi2 under [format.columns] if it is in degrees",
         )
 
 

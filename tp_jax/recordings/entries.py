@@ -47,7 +47,10 @@ class Entry:
 
 @dataclass(frozen=True)
 class Plan:
-    """A campaign.toml; attributes as in `Campaign`, model None where it does not say."""
+    """A campaign.toml; attributes as in `Campaign`, model None where it does not say.
+
+    rotates: the column may turn round and round, for want of a spring that would hold it.
+    """
 
     name: str
     model: Model | None = None
@@ -55,6 +58,7 @@ class Plan:
     B2: Known | None = None
     k: Known | None = None
     sample_rate: float | None = None
+    rotates: bool = False
     form: FileFormat = field(default_factory=FileFormat)
     entries: tuple[Entry, ...] = ()
 
@@ -68,7 +72,7 @@ def read_plan(file: Path) -> Plan:
     top = read_toml(file)
     top.only("name", "rig", "format", "recording")
     rig = top.section("rig") or Section(file, "[rig]", {}, top.lines, 0, 0)
-    rig.only("model", "B1", "B2", "k", "sample_rate")
+    rig.only("model", "B1", "B2", "k", "sample_rate", "rotates")
     model = rig.text("model")
     if model not in (None, "double", "single"):
         rig.fault(f'model is "{model}"', 'write model = "double" or model = "single"', "model")
@@ -86,6 +90,7 @@ def read_plan(file: Path) -> Plan:
         B2=_known(rig, "B2"),
         k=_known(rig, "k"),
         sample_rate=rig.positive("sample_rate"),
+        rotates=bool(rig.flag("rotates")),
         form=_format(top.section("format")),
         entries=entries,
     )

@@ -30,6 +30,7 @@ def make_campaign(
     bits: int = 16,
     seed: int = 0,
     with_B2: bool = False,
+    measured: bool = False,
 ) -> dict[str, Any]:
     """Writes the recordings of a rig with hidden effects, and a campaign.toml that tells nothing.
 
@@ -41,6 +42,8 @@ def make_campaign(
         noise: standard deviation of a reading [rad]. bits: of the converter.
         seed: of everything random.
         with_B2: the campaign gives the rider's moment of inertia as well as the column's.
+        measured: the drive of each driven run is recorded, without noise, and its frequency is not
+            told; always so where drive_delay is hidden, which shows in nothing else.
 
     Returns:
         The key, plain data for JSON: what is hidden, with sizes, shape constants and values of
@@ -57,6 +60,7 @@ def make_campaign(
     if not (noise >= 0.0 and 4 <= bits <= 32):
         raise InputError("The noise must be zero or more, and the converter have 4 to 32 bits.")
     rig = VirtualRig(parameters, effects, seed, shapes)
+    measured = measured or "drive_delay" in rig.effects
     plan = plan_runs(parameters, runs, np.random.default_rng([seed, 1]))
     values = _run_values(rig, plan)
     rng = np.random.default_rng([seed, 2])
@@ -70,8 +74,11 @@ def make_campaign(
             run_values=own,
         )  # fmt: skip
         phi1, phi2 = measure(ideal, rng, noise=noise, bits=bits).T
-        write_csv(folder / file, ts, phi1, phi2 if parameters.has_rider else None)
-    toml = _toml(folder.resolve().name, parameters, rate, files, plan, with_B2)
+        arm = None
+        if measured and "omega" in kind:
+            arm = [rig.read_drive(t) for t in rig.taken]
+        write_csv(folder / file, ts, phi1, phi2 if parameters.has_rider else None, arm)
+    toml = _toml(folder.resolve().name, parameters, rate, files, plan, with_B2, measured)
     (folder / "campaign.toml").write_text(toml, encoding="utf-8")
     return {
         "effects": {
@@ -122,6 +129,7 @@ def _toml(
     files: Sequence[str],
     plan: Sequence[Mapping[str, float]],
     with_B2: bool,
+    measured: bool,
 ) -> str:
     text = name.replace("\\", "\\\\").replace('"', '\\"')
     lines = [f'name = "{text}"', "", "[rig]"]
@@ -134,6 +142,9 @@ def _toml(
     for file, kind in zip(files, plan, strict=True):
         forced = "omega" in kind
         lines += ["", "[[recording]]", f'file = "{file}"']
-        lines.append(f"omega = {kind.get('omega', 0.0)}  # rad/s, commanded")
+        if forced and measured:
+            lines.append('drive = "measured"')
+        else:
+            lines.append(f"omega = {kind.get('omega', 0.0)}  # rad/s, commanded")
         lines.append(f"forced = {'true' if forced else 'false'}")
     return "\n".join(lines) + "\n"

@@ -42,19 +42,23 @@ def equations(
     Ts1 = p.Ts1 * max(1.0 + hooks.grip_base, 0.0)
     expm1 = math.expm1
     column, contact = tuple(hooks.column), tuple(hooks.contact)
-    bearing, grip, ground = tuple(hooks.bearing), tuple(hooks.grip), hooks.ground
+    bearing, load = tuple(hooks.bearing), tuple(hooks.load)
+    grip, ground = tuple(hooks.grip), hooks.ground
     g, r = 1.0 + hooks.recoil, hooks.reaction
     rider, watched = p.has_rider, hooks.on_motion
     both = B2 / (B1 + r * B2)
 
     def limit1(side: float, speed: float, stuck: bool) -> float:
-        if not bearing:
+        if not (bearing or load):
             return M1
         m.side, m.speed, m.stuck = side, speed, stuck
         part = 1.0
         for add in bearing:
             part += add(m)
-        return M1 * part if part > 0.0 else 0.0
+        limit = M1 * part if part > 0.0 else 0.0
+        for add in load:
+            limit += add(m)
+        return limit
 
     def limit2(side: float, speed: float, stuck: bool) -> float:
         dry = Ts1 - Tst * expm1(-T0 * speed)

@@ -41,6 +41,7 @@ class Hooks:
             than commanded [rad/s]; drive: (angle f [rad], theta) -> f, applied in turn.
         column: torques on the column [N m], along phi1.
         bearing: what the bearing's dry friction gains, as a part of M1.
+        load: what else the bearing's dry friction gains [N m], zero or more.
         contact: torques between the bodies [N m], against phi2, in equal parts on both.
         grip: what the contact's dry friction gains, as a part of itself.
         grip_base: what Ts1 gains, as a part of itself.
@@ -55,7 +56,7 @@ class Hooks:
         recoil: inertia of the column over that of the base.
         reaction: part of the contact's torque that the column receives.
         sensor1, sensor2: (angle so far [rad], Instant) -> angle that is read.
-        delay: how late sensor 2 is read [s].
+        delay: how late sensor 2 is read [s]; drive_delay: how late the drive is recorded [s].
         stamps: time on the recorder's clock -> true time [s], applied in turn.
         longest: step [s].
         late: called with the finished drive angle(t) before the run begins.
@@ -66,6 +67,7 @@ class Hooks:
     drive: list[Callable[[float, float], float]] = field(default_factory=list)
     column: list[Quantity] = field(default_factory=list)
     bearing: list[Quantity] = field(default_factory=list)
+    load: list[Quantity] = field(default_factory=list)
     contact: list[Quantity] = field(default_factory=list)
     grip: list[Quantity] = field(default_factory=list)
     grip_base: float = 0.0
@@ -80,6 +82,7 @@ class Hooks:
     sensor1: list[Callable[[float, Instant], float]] = field(default_factory=list)
     sensor2: list[Callable[[float, Instant], float]] = field(default_factory=list)
     delay: float = 0.0
+    drive_delay: float = 0.0
     stamps: list[Callable[[float], float]] = field(default_factory=list)
     longest: float = 5e-3
     late: list[Callable[[Callable[[float], float]], None]] = field(default_factory=list)
@@ -88,8 +91,8 @@ class Hooks:
     def on_motion(self) -> bool:
         """Whether anything but drive, sensors and clock is changed, or steps are cut."""
         return bool(
-            self.column or self.bearing or self.contact or self.grip or self.start
-            or self.ground or self.events or self.limits or self.commits
+            self.column or self.bearing or self.load or self.contact or self.grip
+            or self.start or self.ground or self.events or self.limits or self.commits
         )  # fmt: skip
 
     def state(self, initial: float) -> int:

@@ -37,6 +37,7 @@ class VirtualRig:
         effects: id of each hidden effect -> its sizes; see `tp_jax.rig.effects.catalogue`.
         shapes: id of each hidden effect -> its shape constants.
         run_values: of the run in progress, id -> values of the effects that differ from run to run.
+        taken: true times of the samples of the last whole run (`run`) [s].
     """
 
     def __init__(
@@ -68,6 +69,7 @@ class VirtualRig:
         self.effects = {each.effect.id: each.sizes for each in self._hidden}
         self.shapes = {each.effect.id: dict(each.shapes) for each in self._hidden}
         self.run_values: dict[str, tuple[float, ...]] = {}
+        self.taken: list[float] = []
         self._seed, self._runs = seed, 0
         self.start()
 
@@ -113,6 +115,7 @@ class VirtualRig:
                 self.run_values[each.effect.id] = values
             each.install(hooks, parameters, values, omega, duration, rng)
         angle = drive(parameters.A, omega, hooks)
+        self._angle = angle
         for late in hooks.late:
             late(angle)
         self._hooks, self._duration = hooks, duration
@@ -177,6 +180,22 @@ class VirtualRig:
             y2 = change(y2, m)
         return y1, y2
 
+    def read_drive(self, t: float) -> float:
+        """Angle of the spring's far end [rad] as it is recorded at a true time [s].
+
+        Before the run the motor stands at neutral.
+
+        Raises:
+            InputError: play or steps of the motor are hidden, of which only the present is known.
+        """
+        if self._hooks.limits:
+            raise InputError(
+                "A drive with play or steps cannot be recorded; leave out drive_backlash and "
+                "drive_steps, or the measured drive."
+            )
+        then = float(t) - self._hooks.drive_delay
+        return self._angle(then) if then > 0.0 else 0.0
+
     def run(
         self,
         ts: ArrayLike,
@@ -204,7 +223,8 @@ class VirtualRig:
             omega=omega, release=release, run_values=run_values,
             duration=DURATION if whole <= 0.0 else whole,
         )  # fmt: skip
-        return np.array([self.advance(self.true_time(t)) for t in times.tolist()])
+        self.taken = [self.true_time(t) for t in times.tolist()]
+        return np.array([self.advance(t) for t in self.taken])
 
     @property
     def switches(self) -> int:

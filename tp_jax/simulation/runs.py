@@ -30,6 +30,9 @@ PASSES = 64
 OUTSIDE = 30.0
 """Velocities, in 1/eps, so far from zero are outside the layer of a smoothed sign."""
 
+SLOWEST = 0.3
+"""Natural frequency [rad/s] below which nothing pulls the column back in a time that matters."""
+
 SMALLEST = 1e-13
 """A lane whose step [s] falls below this is given up."""
 
@@ -314,9 +317,13 @@ def put(rows: Array, value: Array, i: Array, r: int) -> Array:
 
 
 def _natural(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
-    """Natural frequency of the column [rad/s], from the spring's pull at this instant."""
+    """Natural frequency of the column [rad/s], from the spring's pull at this instant.
+
+    Where nothing pulls, in a spring's play or without a spring, `SLOWEST`: an error of a velocity
+    does no harm there for ever, and a bound of next to nothing could not be kept.
+    """
     pull = jax.jvp(lambda x: field(t, (x, *y[1:]), q)[2], (y[0],), (jnp.ones_like(t),))[1]
-    return jnp.sqrt(jnp.maximum(jnp.abs(pull), 1e-12))
+    return jnp.sqrt(jnp.maximum(jnp.abs(pull), SLOWEST**2))
 
 
 def sign_jumps(

@@ -110,3 +110,19 @@ class BearingAsymmetry(Effect):
 
     def drawn(self, dice):
         return self._drawn(dice.signed(0.3, 0.7))
+
+
+class BearingLoad(Effect):
+    """The spring does not pull at the column's axis alone, and presses it into the bearing."""
+
+    id = "bearing_load"
+    formula = "limit M1 + a |k d|"
+    channel, location = "column", "bearing"
+
+    def install(self, run, a):
+        k = run.parameters.k
+        run.hooks.load.append(lambda m: abs(a * k * m.d))
+        run.hooks.events.append(lambda m: m.d)
+
+    def drawn(self, dice):
+        return self._drawn(dice.between(0.04, 0.15))

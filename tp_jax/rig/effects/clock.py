@@ -19,6 +19,21 @@ class ChannelDelay(Effect):
         return self._drawn(dice.signed(0.001, 0.005))
 
 
+class DriveDelay(Effect):
+    """The drive is recorded late, or early. Shows only where it is recorded (`make_campaign`)."""
+
+    id = "drive_delay"
+    formula = "the drive recorded at t is that of t - a"
+    unit = ("s",)
+    channel = location = "clock"
+
+    def install(self, run, a):
+        run.hooks.drive_delay += a
+
+    def drawn(self, dice):
+        return self._drawn(dice.signed(0.002, 0.01))
+
+
 class ClockSkew(Effect):
     """The recorder's oscillator runs fast or slow."""
 

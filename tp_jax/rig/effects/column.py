@@ -84,6 +84,32 @@ class BaseCompliance(Effect):
         )  # fmt: skip
 
 
+class ElasticStop(Effect):
+    """A spring on either side that the column meets at an angle s, and leaves there."""
+
+    id = "elastic_stop"
+    formula = "-a (phi1 - s) for phi1 > s, b (-s - phi1) for phi1 < -s"
+    unit = ("N m/rad", "N m/rad")
+    channel, location = "column", "column"
+    amplitudes = ("a", "b")
+    shapes = {"s": 0.2}  # noqa: RUF012
+
+    def install(self, run, a, b):
+        s = run.shapes["s"]
+
+        def push(m):
+            if m.phi1 > s:
+                return -a * (m.phi1 - s)
+            return b * (-s - m.phi1) if m.phi1 < -s else 0.0
+
+        run.hooks.column.append(push)
+        run.hooks.events += [lambda m: m.phi1 - s, lambda m: m.phi1 + s]
+
+    def drawn(self, dice):
+        a, b = dice.between(0.3, 1.5), dice.between(0.3, 1.5)
+        return self._drawn(a * dice.rig.k, b * dice.rig.k, s=dice.between(0.8, 1.6) * dice.rig.A)
+
+
 class ReactionFactor(Effect):
     """Not all of the contact's torque comes back on the column, or more than all."""
 

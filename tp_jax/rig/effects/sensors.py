@@ -49,6 +49,81 @@ class Sensor2Nonlinearity(_Nonlinearity):
         run.hooks.sensor2.append(straight_line(a))
 
 
+class _Wave(Effect):
+    """An error that repeats n times a turn, and is none at zero: R sin of a shifted angle."""
+
+    unit = ("rad", "rad")
+    amplitudes = ("a", "b")
+
+
+def waving(a, b, n):
+    """Reading that is off by a wave of n periods a turn."""
+    R, beta = math.hypot(a, b), math.atan2(b, a)
+    least = R * math.sin(beta)
+    return lambda y, _: y + R * math.sin(n * y + beta) - least
+
+
+class _Eccentricity(_Wave):
+    """A disc that is read by one head turns about a point beside its middle."""
+
+    formula = "y = phi + R sin(phi + beta) - R sin beta, a = R cos beta, b = R sin beta"
+
+    def drawn(self, dice):
+        return self._drawn(*dice.direction(0.02, 0.1))
+
+
+class Sensor1Eccentricity(_Eccentricity):
+    """Of the column's sensor."""
+
+    id = "sensor1_eccentricity"
+    channel = location = "sensor1"
+
+    def install(self, run, a, b):
+        run.hooks.sensor1.append(waving(a, b, 1.0))
+
+
+class Sensor2Eccentricity(_Eccentricity):
+    """Of the rider's sensor."""
+
+    id = "sensor2_eccentricity"
+    channel = location = "sensor2"
+    needs_rider = True
+
+    def install(self, run, a, b):
+        run.hooks.sensor2.append(waving(a, b, 1.0))
+
+
+class _Interpolation(_Wave):
+    """Bridges with an offset (n = 2), or one stronger than its twin (n = 4)."""
+
+    formula = "y = phi + R sin(n phi + beta) - R sin beta, a = R cos beta, b = R sin beta"
+    shapes = {"n": 2.0}  # noqa: RUF012
+
+    def drawn(self, dice):
+        return self._drawn(*dice.direction(0.01, 0.04), n=dice.one_of(2.0, 4.0))
+
+
+class Sensor1Interpolation(_Interpolation):
+    """Of the column's sensor."""
+
+    id = "sensor1_interpolation"
+    channel = location = "sensor1"
+
+    def install(self, run, a, b):
+        run.hooks.sensor1.append(waving(a, b, run.shapes["n"]))
+
+
+class Sensor2Interpolation(_Interpolation):
+    """Of the rider's sensor."""
+
+    id = "sensor2_interpolation"
+    channel = location = "sensor2"
+    needs_rider = True
+
+    def install(self, run, a, b):
+        run.hooks.sensor2.append(waving(a, b, run.shapes["n"]))
+
+
 class _Drift(Effect):
     """An amplifier that warms up: gain and zero run away from what they are in mid-run."""
 

@@ -93,3 +93,27 @@ class SpringRelaxation(Effect):
 
     def drawn(self, dice):
         return self._drawn(dice.signed(0.03, 0.12))
+
+
+class SpringDeadzone(Effect):
+    """The hook at the spring's end is wider than the spring: it is taut from a winding g on."""
+
+    id = "spring_deadzone"
+    formula = "k (d - g) for d > g, k (d + g) for d < -g, no torque between"
+    unit = ("rad",)
+    channel, location = "column", "drive"
+    amplitudes = ("g",)
+
+    def install(self, run, g):
+        k, g = run.parameters.k, abs(g)
+
+        def slack(m):
+            if m.d > g:
+                return -k * g
+            return k * g if m.d < -g else -k * m.d
+
+        run.hooks.column.append(slack)
+        run.hooks.events += [lambda m: m.d - g, lambda m: m.d + g]
+
+    def drawn(self, dice):
+        return self._drawn(dice.between(0.05, 0.15) * dice.rig.A)
