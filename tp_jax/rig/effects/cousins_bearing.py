@@ -72,9 +72,9 @@ class BearingBump(_OfBearing):
         run.hooks.bearing.append(lambda m: a * bump(m.phi1, centre, width))
 
     def drawn(self, dice):
-        A = dice.rig.A
-        size = dice.between(0.8, 2.0)
-        return self._drawn(size, centre=dice.between(0.1, 0.8) * A, width=dice.between(0.2, 0.5) * A)
+        size, A = dice.between(0.8, 2.0), dice.rig.A
+        centre, width = dice.between(0.1, 0.8) * A, dice.between(0.2, 0.5) * A
+        return self._drawn(size, centre=centre, width=width)
 
 
 class BearingWarmupExponential(_OfBearing):
