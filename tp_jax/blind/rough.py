@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 
+from tp_jax.blind.truth import TORQUES
 from tp_jax.rig import BENCH, RigParameters
 from tp_jax.rig.recorder import DriveSensor, Recorder, Sensor
 
 Range = tuple[float, float]
 
-TORQUES = ("B1", "B2", "k", "c1", "M1", "Tv", "Ts1", "Tst")
 RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
 RINGING = 0.5  # damping ratio up to which a column swings at all
 LOOSE = 0.5  # of the spring's largest torque: a bearing with more dry friction hardly moves
@@ -78,8 +78,8 @@ class RoughSettings:
     sealed_runs: int = 3
     sealed_longest: float = 20.0
     periods: float = 1.5
-    looked_at: int = 4
-    looked_for: float = 40.0
+    looked_at: int = 3
+    looked_for: float = 25.0
     per_run: int = 3
 
 
@@ -105,9 +105,7 @@ def draw_kind(rng: np.random.Generator, settings: RoughSettings) -> Kind:
     return Kind(rate, runs, rider, driven, measured)
 
 
-def draw_parameters(
-    rng: np.random.Generator, settings: RoughSettings, kind: Kind
-) -> RigParameters:
+def draw_parameters(rng: np.random.Generator, settings: RoughSettings, kind: Kind) -> RigParameters:
     """Numbers of a rig that swings, is not held by its bearing, and not too fast for its rate."""
     low, high = 1.0 / settings.spread, settings.spread
     for _ in range(ATTEMPTS):

@@ -24,7 +24,7 @@ from tp_jax.rig.effects import catalogue
 from tp_jax.rig.recorded import record_campaign
 from tp_jax.rig.recorder import Recorder
 
-RIGS = 400  # that are drawn until one shows its motion
+DRAWS = 400  # of a rig until one shows its motion
 
 
 def attempt(
@@ -79,7 +79,7 @@ def _draw_rig(
     rng: np.random.Generator, settings: RoughSettings, kind: Kind
 ) -> tuple[RigParameters, Recorder, list[Run], list[Run]] | None:
     """Numbers, recorder, given and sealed runs of a rig that shows what it does."""
-    for _ in range(RIGS):
+    for _ in range(DRAWS):
         parameters = draw_parameters(rng, settings, kind)
         recorder = draw_recorder(rng, settings, kind, parameters.A)
         noise = max(recorder.sensor1.rms, recorder.sensor2.rms if kind.rider else 0.0)

@@ -65,9 +65,7 @@ def sealed_runs(
     return [_swung(rng, settings, kind, run) for run in out]
 
 
-def shows(
-    p: RigParameters, runs: Sequence[Run], noise: float, *, sliding: float = SLIDING
-) -> bool:
+def shows(p: RigParameters, runs: Sequence[Run], noise: float, *, sliding: float = SLIDING) -> bool:
     """Whether the column moves in every run, never too far, and a rider slides in a share of them.
 
     Args:
