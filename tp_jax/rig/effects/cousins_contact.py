@@ -6,7 +6,7 @@ Dry friction of the contact is Ts1 + Tst (1 - exp(-T0 |v2|)).
 import math
 
 from tp_jax.rig.effects.base import Cousin
-from tp_jax.rig.effects.patterns import Side, bump, saw, settling
+from tp_jax.rig.effects.patterns import NEXT, Side, bump, saw, settling
 
 
 class _OfContact(Cousin):
@@ -116,7 +116,7 @@ class ContactCoggingSaw(_OfContact):
 
         def commit(m, _):
             nonlocal period
-            x = argument(m, 1e-9)
+            x = argument(m, NEXT)
             period = round((x - math.pi * saw(x)) / (2.0 * math.pi))
 
         run.hooks.commits.append(commit)
