@@ -31,6 +31,8 @@ def _parser() -> Parser:
     parser.add_argument("directory", metavar="DIR", nargs="?", default="blind-trial",
                         help="of the trial (default ./blind-trial)")  # fmt: skip
     parser.add_argument("--cases", metavar="N", type=count, default=440, help="default 440")
+    parser.add_argument("--rigs", choices=("clean", "rough"), default="clean",
+                        help="as `tp-jax blind make --rigs` (default clean)")  # fmt: skip
     add_seed(parser)
     parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
                         help="processes (default: as many as processors)")  # fmt: skip
@@ -60,7 +62,10 @@ def _trial(args: Any) -> int:
     begin, root = time.monotonic(), Path(args.directory)
     with shown(quiet=False) as progress:
         if not (root / "KEY.sha256").is_file():
-            make(root, args.cases, args.seed, workers=args.workers, progress=progress)
+            make(
+                root, args.cases, args.seed, rigs=args.rigs, workers=args.workers,
+                progress=progress,
+            )  # fmt: skip
         left, workers = undiagnosed(root, args.first), args.workers
         until = begin + args.limit_s
         failed = _done(
@@ -74,23 +79,23 @@ def _trial(args: Any) -> int:
         print(f"blind: {len(left)} cases are without a diagnosis; the same call goes on.")
         return 1 if failed else 0
     entries = open_key(root, args.first)["cases"]  # opened from here on
-    shrinks = None if args.quick else _known_shrink
+    shrinks, harms = (None, None) if args.quick else (_known_shrink, _known_harm)
     with shown(quiet=False) as progress:
         if not args.quick:
-            hidden = [(root, e["case"], e) for e in entries if e["kind"] in ("one", "two")]
+            asked = [(root, e["case"], e) for e in entries if _on_sealed(root, e)]
             failed = _done(
-                _shrink, hidden, workers, until,
+                _predict, asked, workers, until,
                 lambda part: progress("predicting the sealed runs", part),
             )  # fmt: skip
             for name, fault in failed.items():
                 print(f"blind: the sealed runs of {name}: {fault}", file=sys.stderr)
-            todo = [h for h in hidden if not _sealed(root, h[1]).is_file()]
+            todo = [task for task in asked if _waits(*task)]
             if todo and time.monotonic() > until:
                 print(
-                    f"blind: the sealed runs of {len(todo)} cases wait, and the shrinks are those "
-                    "of the others; the same call goes on."
+                    f"blind: the sealed runs of {len(todo)} cases wait, and shrinks and harm are "
+                    "those of the others; the same call goes on."
                 )
-        scored = score(root, shrinks=shrinks, first=args.first, progress=progress)
+        scored = score(root, shrinks=shrinks, harms=harms, first=args.first, progress=progress)
     write_json(args.json or root / "score.json", scored)
     if others:
         scored = pool([*others, scored])
@@ -154,15 +159,52 @@ def _sealed(root: Path, name: str) -> Path:
     return diagnosis_file(root, name).with_name("sealed.json")
 
 
-def _shrink(root: Path, name: str, entry: dict[str, Any]) -> None:  # noqa: ARG001
+def _wants_shrink(entry: dict[str, Any]) -> bool:
+    return entry["kind"] in ("one", "two")
+
+
+def _wants_harm(root: Path, entry: dict[str, Any]) -> bool:
+    from tp_jax.blind.harm import asked
+    from tp_jax.blind.seal import read_diagnosis
+
+    return asked(read_diagnosis(root, entry))
+
+
+def _on_sealed(root: Path, entry: dict[str, Any]) -> bool:
+    """Whether the sealed runs of a case are to be predicted."""
+    return _wants_shrink(entry) or _wants_harm(root, entry)
+
+
+def _waits(root: Path, name: str, entry: dict[str, Any]) -> bool:
+    """Whether they have not been, as far as they are to be."""
+    from tp_jax.blind.harm import kept_file
+
+    shrink = _wants_shrink(entry) and not _sealed(root, name).is_file()
+    return shrink or (_wants_harm(root, entry) and not kept_file(root, name).is_file())
+
+
+def _predict(root: Path, name: str, entry: dict[str, Any]) -> None:  # noqa: ARG001
+    from tp_jax.blind.harm import measured_harm
     from tp_jax.blind.seal import read_diagnosis
     from tp_jax.blind.sealed_runs import measured
 
-    measured(root, entry, read_diagnosis(root, entry))
+    diagnosis = read_diagnosis(root, entry)
+    if _wants_shrink(entry):
+        measured(root, entry, diagnosis)
+    measured_harm(root, entry, diagnosis)
+
+
+def _known_harm(root: Path, entry: Any, diagnosis: Any) -> dict[str, Any]:
+    """What `_predict` has left of it."""
+    from tp_jax.blind.harm import NOTHING, kept_file, measured_harm
+
+    if not kept_file(root, entry["case"]).is_file():
+        return dict(NOTHING)
+    return measured_harm(root, entry, diagnosis)
 
 
 def _known_shrink(root: Path, entry: Any, diagnosis: Any) -> dict[str, float | None]:
-    """What `_shrink` has left; a case in which it failed or that waits is not counted."""
+    """What `_predict` has left; a case in which it failed or that waits is not counted."""
     if not _sealed(root, entry["case"]).is_file():
         return {"shrink": None, "best": None}
     from tp_jax.blind.sealed_runs import measured

@@ -14,7 +14,9 @@ LOCATIONS = {
     "sensor_crosstalk": ("sensor2", "sensor2"),
     "drive_frequency": ("drive", "column"),
     "motor_stall": ("drive", "column"),
+    "contact_wear_exponential": ("contact", "contact"),
 }
+COUSINS = {"contact_wear_exponential": {"of": "contact_wear", "family": "contact_dry.s"}}
 
 
 def part_of_key(case: str, kind: str, sizes: dict[str, float]) -> dict:
@@ -23,13 +25,14 @@ def part_of_key(case: str, kind: str, sizes: dict[str, float]) -> dict:
         "case": case,
         "kind": kind,
         "reference": {id: {"multiple": 4.0, "factor": 0.1} for id in sizes},
+        "cousins": {id: COUSINS[id] for id in sizes if id in COUSINS},
         "sha256": {"run-01.csv": "ab"},
         "given": {
             "effects": {
                 id: {
                     "sizes": {"a": size}, "shapes": {}, "unit": ["1"],
                     "location": LOCATIONS[id][0], "channel": LOCATIONS[id][1],
-                    "in_catalogue": id != "motor_stall",
+                    "in_catalogue": id != "motor_stall" and id not in COUSINS,
                 }
                 for id, size in sizes.items()
             },

@@ -141,3 +141,74 @@ def test_coverage_of_intervals():
     assert judge(one(), found)["coverage"] == {"amplitudes": [True], "parameters": [False]}
     # of a wrong model nothing is asked
     assert judge(one(WEAR), found)["coverage"] == {"amplitudes": [], "parameters": []}
+
+
+SETTLES = "contact_wear_exponential"
+
+
+def cousin_of_wear() -> dict:
+    return part_of_key("case-001", "cousin", {SETTLES: 0.3})
+
+
+def test_a_cousin_is_named_by_its_kind():
+    row = judge(cousin_of_wear(), diagnosis_of("explained", [WEAR]))
+    assert row["cousin"]
+    assert row["cousin_location"]
+    assert row["channel"]
+    assert row["top1"] is row["unknown"] is row["explained"] is None
+    assert row["multiples"][SETTLES] == {"value": 4.0, "scale": "reference"}
+    assert said(row) == WEAR
+    row = judge(cousin_of_wear(), diagnosis_of("explained", [SPRING, WEAR]))
+    assert row["cousin"] is row["cousin_location"] is False
+    assert judge(cousin_of_wear(), diagnosis_of("no_gap"))["cousin"] is False
+
+
+def test_or_by_one_tied_with_it():
+    tie = diagnosis_of("explained", [CROSS], candidates=[CROSS, WEAR], tied=[[CROSS, WEAR]])
+    row = judge(cousin_of_wear(), tie)
+    assert row["cousin"]
+    assert row["cousin_location"]
+
+
+@pytest.mark.parametrize(
+    ("family", "right"),
+    [("contact_dry.s", True), ("contact.s", True), ("contact_dry.v2", False), ("spring.s", False)],
+)
+def test_or_by_a_law_of_its_family(family, right):
+    for named in ({"effect": family}, {"effect": "law", "family": family}):
+        found = diagnosis_of("explained")
+        found["causes"] = [{"kind": "learned", "probability": 0.9, **named}]
+        row = judge(cousin_of_wear(), found)
+        assert row["cousin"] is right
+        assert row["first"] == {"probability": 0.9, "right": right}
+
+
+def test_first_cause_as_stated():
+    def stated(entry, causes, **more):
+        found = diagnosis_of("explained", causes, **more)
+        for cause in found["causes"]:
+            cause["probability"] = 0.97
+        first = judge(entry, found)["first"]
+        return first and first["right"]
+
+    assert stated(one(), [SPRING])
+    assert stated(one(), [TILT], tied=[[SPRING, TILT]])
+    assert stated(one(), [TILT, SPRING]) is False
+    assert stated(part_of_key("c", "none", {}), [TILT]) is False
+    assert stated(part_of_key("c", "outside", {"motor_stall": 0.1}), [TURNS]) is False
+    assert stated(part_of_key("c", "two", {SPRING: 0.02, WEAR: 0.1}), [WEAR])
+    assert stated(one(), []) is None
+    # no probability, no answer
+    assert judge(one(), diagnosis_of("explained", [SPRING]))["first"] is None
+
+
+def test_without_B1_torques_are_counted_per_unit_of_it():
+    entry = part_of_key("c", "one", {TILT: 2.4e-3})
+    entry["given"]["effects"][TILT]["unit"] = ["N m"]
+    entry["unit_torque"] = 1.2e-3
+    assert truth.sizes(entry, TILT) == {"a": pytest.approx(2.0)}
+    assert truth.parameters(entry) == {"k": pytest.approx(375.0), "B1": pytest.approx(1.0)}
+    found = diagnosis_of("explained", [TILT], least={TILT: 0.5})
+    assert judge(entry, found)["multiple"] == pytest.approx(4.0)
+    found["causes"][0]["parameters"] = {"a": {"value": 2.1, "ci95": [1.9, 2.2]}}
+    assert judge(entry, found)["coverage"]["amplitudes"] == [True]

@@ -7,7 +7,8 @@ from scipy import stats
 
 from tests.blind.conftest import diagnosis_of
 from tp_jax.blind import pool, score
-from tp_jax.blind.measures import mean, share
+from tp_jax.blind.measures import mean, reliability, share
+from tp_jax.blind.table import sheets
 from tp_jax.cli import main
 from tp_jax.errors import InputError
 
@@ -155,3 +156,64 @@ def test_trials_are_pooled_case_by_case(trial):
     sealed = other | {"shrink_error": {**other["shrink_error"], "on": "sealed runs"}}
     with pytest.raises(InputError, match="cannot be pooled"):
         pool([one, sealed])
+
+
+def test_cousins(trial):
+    settles = "contact_wear_exponential"
+    scored = score(
+        trial(
+            ("cousin", {settles: 0.3}, diagnosis_of("explained", [WEAR])),
+            ("cousin", {settles: 0.3}, diagnosis_of("unknown", [TILT])),
+        )
+    )
+    assert scored["cousin"] | {"ci95": 0} == {"value": 0.5, "n": 2, "ci95": 0}
+    assert scored["cousin_location"]["value"] == 0.5
+    assert scored["top1"]["n"] == scored["unknown"]["n"] == 0
+    assert scored["effects"][settles]["instead"] == {TILT: 1}
+    heads = [row[0] for row in sheets(scored)[0].rows]
+    assert "cousin, its kind named first" in heads
+
+
+def test_harm_is_asked_of_diagnoses_with_causes(trial):
+    answers = iter([(True, False), (False, False), (None, True), (None, None), (False, False)])
+
+    def harms(root, entry, diagnosis):
+        assert diagnosis["causes"]
+        return dict(zip(("windowed", "free_run"), next(answers), strict=True))
+
+    scored = score(trial(*CASES), harms=harms)
+    value = {
+        n: (scored[n]["value"], scored[n]["n"]) for n in ("harm", "harm_windowed", "harm_free_run")
+    }
+    assert value == {"harm": (2 / 3, 3), "harm_windowed": (0.5, 2), "harm_free_run": (1 / 3, 3)}
+    assert next(answers) == (False, False)  # four have causes
+
+
+def test_reliability():
+    rows = reliability([(0.3, False), (0.5, True), (0.95, True), (0.99, True), (1.0, False)])
+    assert [row["n"] for row in rows] == [1, 1, 0, 1, 2]
+    assert [(row["from"], row["to"]) for row in rows][-1] == (0.99, 1.0)
+    assert rows[-1]["right"] == 0.5
+    assert rows[-1]["stated"] == pytest.approx(0.995)
+    assert rows[2] == {"from": 0.8, "to": 0.9, "n": 0, "stated": None, "right": None, "ci95": None}
+
+
+def test_reliability_is_in_the_score(trial):
+    found = diagnosis_of("explained", [SPRING])
+    found["causes"][0]["probability"] = 0.97
+    scored = score(trial(("one", {SPRING: 0.02}, found)))
+    assert [row["n"] for row in scored["reliability"]] == [0, 0, 0, 1, 0]
+    assert sheets(scored)[-1].rows == [("0.9–0.99", "0.970", "1.00 (0.21–1.00), n 1")]
+    # scores that were kept before have none
+    old = json.loads(json.dumps(scored))
+    for row in old["rows"]:
+        for name in ("first", "cousin", "cousin_location"):
+            row.pop(name)
+    assert len(sheets(pool([old]))) == 3
+
+
+def test_clean_and_rough_rigs_are_not_pooled(trial):
+    one = score(trial(*CASES))
+    assert one["rigs"] == "clean"
+    with pytest.raises(InputError, match="clean and on rough"):
+        pool([one, one | {"keys": ["of another trial"], "rigs": "rough"}])

@@ -38,7 +38,8 @@ def test_smooths_no_friction():
         text = file.read_text(encoding="utf-8")
         assert "arctan(" not in text.replace("arctan2(", "")
         assert "atan(" not in text
-        assert "tanh(" not in text
+        # an amplifier's compression is no friction
+        assert "tanh(" not in text or file.name == "cousins_sensors.py"
 
 
 def test_loads_without_jax_and_the_model():

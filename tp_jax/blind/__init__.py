@@ -1,8 +1,9 @@
 """Blind trials: campaigns with something hidden, a sealed key, and what the diagnoses are worth.
 
-    plan, draw, restart, projection, detectable -> case -> make    no model: the virtual rig alone
+    plan, draw, restart, projection, detectable, hiding -> case    no model: the virtual rig alone
+    rough, rough_runs -> rough_case -> case -> make                rigs that differ in everything
     seal                                                           the key, opened late
-    truth, judge, measures, sealed_runs -> score, table            after every diagnosis
+    truth, judge, measures, sealed_runs, harm -> score, table      after every diagnosis
 
 A trial lies in one folder:
 

@@ -1,23 +1,23 @@
 """One case: its campaign, the runs that are never given, and its part of the key."""
 
 import dataclasses
-import hashlib
 import json
-import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tp_jax.blind.detectable import minimum_detectable
-from tp_jax.blind.draw import FARTHEST, applies, draw_rig, largest, runs_of, usable
+from tp_jax.blind.draw import applies, draw_rig, runs_of, usable
+from tp_jax.blind.hiding import LARGEST as LARGEST
+from tp_jax.blind.hiding import SMALLEST as SMALLEST
+from tp_jax.blind.hiding import hide, reference
 from tp_jax.blind.plan import Case
 from tp_jax.blind.projection import FREE, Bench
-from tp_jax.recordings import CampaignError, load_campaign
+from tp_jax.blind.rough import RoughSettings
+from tp_jax.blind.rough_case import attempt
+from tp_jax.blind.written import readable, sha256
 from tp_jax.rig import RigParameters, make_campaign
-from tp_jax.rig.effects import catalogue
 
-SMALLEST, LARGEST = 1.0, 10.0  # times the minimum detectable size, uniform in the logarithm
 ATTEMPTS = 20
 
 
@@ -39,7 +39,7 @@ class Settings:
     bits: int = 16
 
 
-def make_case(root: Path, case: Case, settings: Settings) -> dict[str, Any]:
+def make_case(root: Path, case: Case, settings: Settings | RoughSettings) -> dict[str, Any]:
     """Writes the recordings of a case, given and sealed ones; returns its part of the key.
 
     A case that was made before is not made again.
@@ -49,7 +49,10 @@ def make_case(root: Path, case: Case, settings: Settings) -> dict[str, Any]:
         return json.loads(part.read_text(encoding="utf-8"))
     rng = np.random.default_rng(case.seed)
     for _ in range(ATTEMPTS):
-        entry = _attempt(root, case, settings, rng)
+        if isinstance(settings, RoughSettings):
+            entry = attempt(root, case, settings, rng)
+        else:
+            entry = _attempt(root, case, settings, rng)
         if entry is not None:
             part.write_text(json.dumps(entry, indent=1, allow_nan=False), encoding="utf-8")
             return entry
@@ -66,7 +69,7 @@ def _attempt(
     bench = Bench(
         parameters, plan, settings.duration, settings.rate, settings.noise, free, seed
     )  # fmt: skip
-    hidden, shapes, passed_over = _hide(case, bench, with_B2, rng)
+    hidden, shapes, passed_over = hide(case, bench, lambda id: applies(id, with_B2), rng)
     if len(hidden) < case.wanted:
         return None
     effects = {id: each["sizes"] for id, each in hidden.items()}
@@ -82,54 +85,18 @@ def _attempt(
             folders, (settings.runs, settings.sealed_runs), (seed, sealed_seed), strict=True
         )
     ]
-    if not all(map(_readable, folders)):
+    if not all(map(readable, folders)):
         return None
     return {
         "case": case.name,
         "kind": case.kind,
-        "reference": {
-            id: {"multiple": each["multiple"], "factor": each["factor"]}
-            for id, each in hidden.items()
-        },
+        "reference": reference(hidden),
         "passed_over": passed_over,
         "with_B2": with_B2,
         "given": made[0],
         "sealed": made[1],
-        "sha256": {run["file"]: _sha256(folders[0] / run["file"]) for run in made[0]["runs"]},
+        "sha256": {run["file"]: sha256(folders[0] / run["file"]) for run in made[0]["runs"]},
     }
-
-
-def _hide(
-    case: Case, bench: Bench, with_B2: bool, rng: np.random.Generator
-) -> tuple[dict[str, dict[str, Any]], dict[str, float], list[str]]:
-    """The first preferred effects that this rig can show, sized; shapes; what was passed over."""
-    hidden: dict[str, dict[str, Any]] = {}
-    shapes: dict[str, float] = {}
-    passed_over: list[str] = []
-    for id in case.preferred:
-        if len(hidden) == case.wanted:
-            break
-        draw = catalogue()[id].draw(rng, bench.parameters)
-        level = math.log(LARGEST / SMALLEST) * rng.random()
-        if not applies(id, with_B2):
-            passed_over.append(id)
-            continue
-        factor = minimum_detectable(bench, id, draw.sizes, draw.shapes)
-        most = largest(id, draw.sizes) / factor
-        if most < SMALLEST:
-            passed_over.append(id)
-            continue
-        # what would be implausibly large is drawn anew, up to what is plausible
-        multiple = SMALLEST * math.exp(level)
-        if multiple > most:
-            multiple = SMALLEST * (most / SMALLEST) ** rng.random()
-        hidden[id] = {
-            "sizes": tuple(multiple * factor * x for x in draw.sizes),
-            "multiple": multiple,
-            "factor": factor,
-        }
-        shapes |= draw.shapes
-    return hidden, shapes, passed_over
 
 
 def _sealed_seed(parameters: RigParameters, settings: Settings, rng: np.random.Generator) -> int:
@@ -140,16 +107,3 @@ def _sealed_seed(parameters: RigParameters, settings: Settings, rng: np.random.G
         if usable(parameters, plan, settings.duration):
             break
     return seed
-
-
-def _readable(folder: Path) -> bool:
-    """Whether the package reads a campaign, and the column stays where springs bend."""
-    try:
-        campaign = load_campaign(folder)
-    except CampaignError:
-        return False
-    return all(float(np.abs(r.phi1).max()) < FARTHEST for r in campaign.recordings)
-
-
-def _sha256(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()

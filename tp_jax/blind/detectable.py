@@ -68,14 +68,15 @@ def needed(bench: Bench, id: str) -> float:
     """Noncentrality at which an effect is found with the power.
 
     One of the catalogue by a test of its amplitudes, one of many such tests. One from outside it
-    by a test that looks for nothing in particular, of the sum of squares of all samples.
+    by a test that looks for nothing in particular, of the sum of squares of all samples; where
+    `bench` says so, one akin to an effect of the catalogue as if it were that.
     """
     effect = catalogue()[id]
-    if effect.in_catalogue:
-        dof = len(effect.amplitudes) * (len(bench.plan) if effect.per_run else 1)
+    if effect.in_catalogue or (effect.cousin_of and bench.cousins_by_kind):
+        dof = len(effect.amplitudes) * (bench.runs if effect.per_run else 1)
         tests = sum(each.in_catalogue for each in catalogue().values())
     else:
-        dof, tests = round(2 * len(bench.plan) * bench.duration * bench.rate), 1
+        dof, tests = bench.samples, 1
     critical = stats.chi2.isf(FAMILY_WISE / tests, dof)
     found = optimize.root_scalar(
         lambda x: stats.ncx2.sf(critical, dof, x) - POWER, bracket=(1e-3, 1e6), method="brentq"

@@ -37,13 +37,21 @@ def judge(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
         "causes": causes,
         "top1": None, "top1_alone": None, "top3": None, "location": None, "channel": None,
         "false_alarm": None, "unknown": None, "both_named": None, "one_named": None,
-        "explained": None, "undetectable": None,
+        "explained": None, "undetectable": None, "cousin": None, "cousin_location": None,
+        "first": None,
         "coverage": truth.covered(entry, diagnosis) if entry["kind"] in ("one", "none") else None,
     }  # fmt: skip
+    row["first"] = first_cause(entry, diagnosis)
     if entry["kind"] == "none":
         row["false_alarm"] = diagnosis["verdict"] != "no_gap" or bool(causes)
         return row
     row["channel"] = bool(where) and where[0].get("channel") in truth.channels(entry)
+    if entry["kind"] == "cousin":
+        (id,) = hidden
+        row["cousin"] = bool(causes) and names_cousin(entry, id, diagnosis)
+        same = _places(entry["cousins"][id]["of"], diagnosis, truth.location(entry, id))
+        row["cousin_location"] = bool(where) and where[0].get("location") in same
+        return row
     if entry["kind"] != "outside":
         row["explained"] = diagnosis["verdict"] == "explained"
         row["undetectable"] = row["multiple"] is None
@@ -54,7 +62,9 @@ def judge(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
         row["top1_alone"] = causes[:1] == [id]
         row["top1"] = bool(causes) and causes[0] in tied(diagnosis, id)
         row["top3"] = among_first(diagnosis, id, 3)
-        row["location"] = bool(where) and where[0].get("location") in _places(entry, id, diagnosis)
+        row["location"] = bool(where) and where[0].get("location") in _places(
+            id, diagnosis, truth.location(entry, id)
+        )
     else:
         row["both_named"] = both_named(diagnosis, hidden)
         row["one_named"] = any(cause in tied(diagnosis, id) for cause in causes for id in hidden)
@@ -106,8 +116,43 @@ def said(row: Mapping[str, Any]) -> str:
     return row["causes"][0] if row["causes"] else str(row["verdict"])
 
 
-def _places(entry: Mapping[str, Any], id: str, diagnosis: Diagnosis) -> set[str]:
-    """The location of an effect, and of those tied with it."""
+def first_cause(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Probability that a diagnosis states of its first cause, and whether that is right.
+
+    Right is what is hidden or tied with it, and the kind of a cousin. Where nothing is hidden no
+    cause is right; outside the catalogue only a law learned in the channel where it acts.
+    """
+    causes = diagnosis.get("causes") or []
+    if not causes or not isinstance(causes[0].get("probability"), int | float):
+        return None
+    hidden = list(entry["given"]["effects"])
+    if entry["kind"] == "cousin":
+        right = names_cousin(entry, hidden[0], diagnosis)
+    elif entry["kind"] == "outside":
+        learned = causes[0].get("kind") == "learned"
+        right = learned and causes[0].get("channel") in truth.channels(entry)
+    else:
+        right = any(causes[0]["effect"] in tied(diagnosis, id) for id in hidden)
+    return {"probability": float(causes[0]["probability"]), "right": bool(right)}
+
+
+def names_cousin(entry: Mapping[str, Any], id: str, diagnosis: Diagnosis) -> bool:
+    """Whether the first cause is a cousin's kind, tied with it, or a learned law of its family."""
+    known, cause = entry["cousins"][id], diagnosis["causes"][0]
+    if cause.get("kind") == "learned":
+        said = str(cause.get("family") or cause["effect"])
+        return _family(said) == _family(known["family"])
+    return cause["effect"] in tied(diagnosis, known["of"])
+
+
+def _family(name: str) -> tuple[str, str]:
+    """Place and argument of a law: which of a place's torques it multiplies does not matter."""
+    place, _, argument = name.partition(".")
+    return place.partition("_")[0], argument
+
+
+def _places(id: str, diagnosis: Diagnosis, location: str) -> set[str]:
+    """A location, and those of effects tied with one that is there."""
     known = {row["effect"]: row.get("location") for row in diagnosis.get("candidates") or []}
     same = {known[other] for other in tied(diagnosis, id) if known.get(other)}
-    return {truth.location(entry, id), *same}
+    return {location, *same}

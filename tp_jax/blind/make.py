@@ -13,6 +13,7 @@ from typing import Any
 from tp_jax._version import __version__
 from tp_jax.blind.case import Settings, make_case
 from tp_jax.blind.plan import Case, plan_cases
+from tp_jax.blind.rough import RoughSettings
 from tp_jax.blind.seal import seal
 from tp_jax.errors import InputError
 
@@ -24,7 +25,8 @@ def make(
     cases: int,
     seed: int = 0,
     *,
-    settings: Settings | None = None,
+    rigs: str = "clean",
+    settings: Settings | RoughSettings | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> str:
@@ -36,9 +38,10 @@ def make(
     Args:
         directory: where to; must be empty or not there.
         cases: how many, in the proportions 200 with one effect of the catalogue, 120 without, 60
-            with one from outside it, 60 with two.
+            with one from outside it, 60 with two; rough ones `plan.ROUGH_PARTS`.
         seed: of everything random; the same seed makes the same trial, whatever `workers`.
-        settings: how campaigns are made.
+        rigs: "clean": all recorded alike; "rough": see `RoughSettings`.
+        settings: how campaigns are made; of the kind that `rigs` says.
         workers: processes that make them.
         progress: called with a stage's name and the part of it that is done.
 
@@ -46,17 +49,21 @@ def make(
         SHA-256 of the key.
 
     Raises:
-        InputError: the directory holds something, or there are no cases.
+        InputError: the directory holds something, there are no cases or no such rigs.
         OSError: a file cannot be written.
     """
-    settings = settings or Settings()
-    plan = plan_cases(cases, seed)
+    plan = plan_cases(cases, seed, rigs)
+    rough = rigs == "rough"
+    settings = settings or (RoughSettings() if rough else Settings())
+    if rough != isinstance(settings, RoughSettings):
+        raise InputError(f"The settings given are not those of {rigs} rigs.")
+    kind = {"rigs": rigs} if rough else {}  # clean trials stay what they always were
     # its name is not to be "." or ".."
     root = Path(directory).resolve()
     if root.is_file() or (root.is_dir() and any(root.iterdir())):
         raise InputError(f"{directory} is not empty; give a new folder.")
     part = root.with_name(f".{root.name}.part")
-    _begin(part, {"cases": cases, "seed": seed, **dataclasses.asdict(settings)})
+    _begin(part, {"cases": cases, "seed": seed, **kind, **dataclasses.asdict(settings)})
     made: dict[str, dict[str, Any]] = {}
     for name, entry in _made(part, plan, settings, workers):
         made[name] = entry
@@ -66,7 +73,7 @@ def make(
         (part / "sealed" / case.name / "key.json").unlink()
     (part / "trial.json").unlink()
     key = {
-        "version": __version__, "seed": seed, "settings": dataclasses.asdict(settings),
+        "version": __version__, "seed": seed, **kind, "settings": dataclasses.asdict(settings),
         "cases": [made[case.name] for case in plan],
     }  # fmt: skip
     digest = seal(part, key)
@@ -89,7 +96,7 @@ def _begin(part: Path, wanted: dict[str, Any]) -> None:
 
 
 def _made(
-    part: Path, plan: list[Case], settings: Settings, workers: int
+    part: Path, plan: list[Case], settings: Settings | RoughSettings, workers: int
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """Cases as they are done."""
     if workers <= 1:

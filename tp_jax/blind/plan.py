@@ -2,7 +2,7 @@
 
 import dataclasses
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from tp_jax.rig.effects import catalogue
 
 #: One effect of the catalogue, none at all, one from outside it, two of it.
 PARTS = {"one": 200, "none": 120, "outside": 60, "two": 60}
+#: The same on rough rigs, and one of a kind that the catalogue knows, by another formula.
+ROUGH_PARTS = {"one": 120, "none": 90, "cousin": 90, "outside": 30, "two": 30}
+RIGS = {"clean": PARTS, "rough": ROUGH_PARTS}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -19,7 +22,7 @@ class Case:
 
     Attributes:
         name: of its folder.
-        kind: one of `PARTS`.
+        kind: one of `PARTS` or `ROUGH_PARTS`.
         seed: of all chance in it.
         preferred: effects to hide, those most wanted first; the first that a rig can show in
             their plausible size are taken, as many as the kind has.
@@ -36,39 +39,49 @@ class Case:
         return {"none": 0, "two": 2}.get(self.kind, 1)
 
 
-def plan_cases(cases: int, seed: int) -> list[Case]:
+def plan_cases(cases: int, seed: int, rigs: str = "clean") -> list[Case]:
     """The cases of a trial, the same for the same arguments.
 
     Args:
         cases: how many in all.
         seed: of the draw.
+        rigs: one of `RIGS`.
 
     Raises:
-        InputError: there are none.
+        InputError: there are none, or no such rigs.
     """
+    if rigs not in RIGS:
+        raise InputError(f"Rigs are {' or '.join(RIGS)}, not {rigs!r}.")
     if cases < 1:
         raise InputError(f"A trial needs at least one case, not {cases}.")
-    rng = np.random.default_rng([seed, 0])
-    kinds = [kind for kind, n in counts(cases).items() for _ in range(n)]
+    rough = rigs == "rough"
+    # the two kinds of trials share no chance
+    rng = np.random.default_rng([seed, 2 if rough else 0])
+    kinds = [kind for kind, n in counts(cases, RIGS[rigs]).items() for _ in range(n)]
     rng.shuffle(kinds)
-    inside = [e.id for e in catalogue().values() if e.in_catalogue]
-    outside = [e.id for e in catalogue().values() if not e.in_catalogue]
+    every = catalogue().values()
+    inside = [e.id for e in every if e.in_catalogue]
+    outside = [e.id for e in every if not (e.in_catalogue or e.rough_only)]
+    cousins = [e.id for e in every if e.cousin_of]
+    if rough:
+        outside = [id for id in outside if id not in cousins]
     turns = {
         "one": _turns(inside, rng), "two": _turns(inside, rng), "outside": _turns(outside, rng),
+        "cousin": _turns(cousins, rng),
     }  # fmt: skip
     width = max(3, len(str(cases)))
     plan = []
     for i, kind in enumerate(kinds):
         order = () if kind == "none" else next(turns[kind])
-        case_seed = int(np.random.SeedSequence([seed, 1, i]).generate_state(1)[0])
+        case_seed = int(np.random.SeedSequence([seed, 3 if rough else 1, i]).generate_state(1)[0])
         plan.append(Case(f"case-{i + 1:0{width}d}", kind, case_seed, order))
     return plan
 
 
-def counts(cases: int) -> dict[str, int]:
+def counts(cases: int, parts: Mapping[str, int] = PARTS) -> dict[str, int]:
     """Cases of each kind, by largest remainders."""
-    whole = sum(PARTS.values())
-    exact = {kind: cases * part / whole for kind, part in PARTS.items()}
+    whole = sum(parts.values())
+    exact = {kind: cases * part / whole for kind, part in parts.items()}
     out = {kind: int(x) for kind, x in exact.items()}
     by_rest = sorted(exact, key=lambda kind: out[kind] - exact[kind])
     for kind in by_rest[: cases - sum(out.values())]:

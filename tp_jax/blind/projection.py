@@ -32,6 +32,12 @@ class Bench:
         duration: of a run [s]. rate: samples a second. noise: of a reading [rad].
         free: numbers of the rig that are not known beforehand.
         seed: of chance in effects, and of where the windows lie.
+        window: length of a window [s]. per_run: how many are looked at in a run.
+        weights: noise of phi1 and of phi2, over `noise`; None: both have it.
+        cousins_by_kind: an effect that is akin to one of the catalogue is found by a test for that.
+        part: of the campaign that `plan` is, the rest showing as much in proportion.
+
+    A run of the plan may have a "duration" [s] of its own, and a "swing" as in `record_campaign`.
     """
 
     parameters: RigParameters
@@ -41,6 +47,27 @@ class Bench:
     noise: float = 1e-3
     free: tuple[str, ...] = FREE
     seed: int = 0
+    window: float = WINDOW
+    per_run: int = PER_RUN
+    weights: tuple[float, float] | None = None
+    cousins_by_kind: bool = False
+    part: float = 1.0
+
+    def lasts(self, run: Mapping[str, float]) -> float:
+        """Duration of a run [s]."""
+        return run.get("duration", self.duration)
+
+    @property
+    def samples(self) -> int:
+        """Readings of all angles in the whole campaign."""
+        times = [self.lasts(run) for run in self.plan]
+        channels = 2 if self.parameters.has_rider else 1
+        return round(channels * sum(times) * self.rate / self.part)
+
+    @property
+    def runs(self) -> int:
+        """Of the whole campaign."""
+        return round(len(self.plan) / self.part)
 
 
 def noncentralities(
@@ -58,29 +85,36 @@ def noncentralities(
     """
     rig = VirtualRig(bench.parameters, {id: sizes}, bench.seed, shapes)
     rng = np.random.default_rng([bench.seed, 7])
-    n = max(round(min(WINDOW, bench.duration) * bench.rate), 4)
-    places = max(int(bench.duration * bench.rate) // n, 1)
-    changes, directions, squares = [], [], []
+    changes, directions, squares, ends, shares = [], [], [], [], []
     for run in bench.plan:
-        rig.start(omega=run.get("omega"), release=run.get("release"), duration=bench.duration)
+        lasts = bench.lasts(run)
+        n = max(round(min(bench.window, lasts) * bench.rate), 4)
+        places = max(int(lasts * bench.rate) // n, 1)
+        looked_at = min(bench.per_run, places)
+        rig.amplitude = rig.parameters.A * run.get("swing", 1.0)
+        rig.start(omega=run.get("omega"), release=run.get("release"), duration=lasts)
         squares.append(sum(x * x for x in rig.run_values.get(id, ())))
-        for place in sorted(rng.choice(places, min(PER_RUN, places), replace=False).tolist()):
+        for place in sorted(rng.choice(places, looked_at, replace=False).tolist()):
             times = (place * n + np.arange(n)) / bench.rate
             state, readings = _observed(rig, times)
-            at = functools.partial(_window, run.get("omega"), times)
+            at = functools.partial(_window, run, times)
             plain = at(bench.parameters, state)
             own = np.stack(_state_directions(bench, at, state, plain), axis=1)
             rest = np.column_stack([readings - plain, *_directions(bench, at, state, plain, run)])
+            if bench.weights is not None:
+                weight = np.repeat(bench.weights, n)[:, None]
+                own, rest = own / weight, rest / weight
             rest = rest - own @ np.linalg.lstsq(own, rest, rcond=RANK)[0]
             changes.append(rest[:, 0])
             directions.append(rest[:, 1:])
+        ends.append(sum(map(len, changes)))
+        shares.append(looked_at / places * bench.part)
     change, along = np.concatenate(changes), np.concatenate(directions)
     norms = np.linalg.norm(along, axis=0)
     along = along[:, norms > 0.0] / norms[norms > 0.0]
     left = change - along @ np.linalg.lstsq(along, change, rcond=RANK)[0]
-    share = min(PER_RUN, places) / places
-    found = (left.reshape(len(bench.plan), -1) ** 2).sum(axis=1) / bench.noise**2 / share
-    return found, np.array(squares)
+    sums = np.array([(part**2).sum() for part in np.split(left, ends[:-1])])
+    return sums / bench.noise**2 / np.array(shares), np.array(squares)
 
 
 def _observed(
@@ -96,9 +130,12 @@ def _observed(
     return state, np.array(readings).T.ravel()
 
 
-def _window(omega, times, parameters, state, phase=0.0) -> np.ndarray:
+def _window(run, times, parameters, state, phase=0.0) -> np.ndarray:
+    swing = run.get("swing", 1.0)
+    if swing != 1.0:
+        parameters = dataclasses.replace(parameters, A=parameters.A * swing)
     return plain_window(
-        parameters, omega, state, times[0], (times - times[0]).tolist(), phase
+        parameters, run.get("omega"), state, times[0], (times - times[0]).tolist(), phase
     ).T.ravel()
 
 

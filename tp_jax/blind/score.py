@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tp_jax.blind.judge import judge, said
-from tp_jax.blind.measures import mean, share
+from tp_jax.blind.measures import mean, reliability, share
 from tp_jax.blind.seal import open_key, read_diagnosis
 from tp_jax.errors import InputError
 
@@ -20,17 +20,22 @@ NEAR = 0.1  # a shrink so near the best possible is right
 QUESTIONS = (
     "top1", "top3", "location", "false_alarm", "unknown", "both_named",
     "top1_alone", "channel", "channel_outside", "one_named", "explained", "undetectable",
+    "cousin", "cousin_location", "harm_windowed", "harm_free_run", "harm",
 )  # fmt: skip
+FOUND = ("top1", "unknown", "cousin")  # what is right of one hidden effect
 
 Progress = Callable[[str, float | None], None]
 #: root, part of the key, diagnosis -> {"shrink": .., "best": ..}; see `sealed_runs`.
 Shrinks = Callable[[Path, Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
+#: root, part of the key, diagnosis -> {"windowed": .., "free_run": ..}; see `harm`.
+Harms = Callable[[Path, Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
 
 
 def score(
     directory: str | os.PathLike[str],
     *,
     shrinks: Shrinks | None = None,
+    harms: Harms | None = None,
     first: int | None = None,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
@@ -42,6 +47,8 @@ def score(
             and the most that could be; `sealed_runs.measured` computes both. If None, the
             diagnosis' own shrink on the recording it held out itself stands for the one, and 1
             for the other.
+        harms: whether a diagnosis with causes predicts the sealed runs worse than without them,
+            windowed and in free run; `harm.measured_harm` computes it. If None, nobody knows.
         first: cases that count, in order, where not all could be diagnosed; see `seal.open_key`.
         progress: called with a stage's name and the part of it that is done.
 
@@ -64,10 +71,20 @@ def score(
         row = judge(entry, diagnosis)
         if entry["kind"] in ("one", "two"):
             row["shrink"] = dict((shrinks or own_held_out)(root, entry, diagnosis))
+        if harms is not None and row["causes"]:
+            row |= _harm(harms(root, entry, diagnosis))
         rows.append(row)
-    return _scored(
-        rows, [key["sha256"]], "the run it held out" if shrinks is None else "sealed runs"
-    )
+    on = "the run it held out" if shrinks is None else "sealed runs"
+    return _scored(rows, [key["sha256"]], on, key.get("rigs", "clean"))
+
+
+def _harm(found: Mapping[str, Any]) -> dict[str, bool | None]:
+    """Harm of a row: windowed, in free run, and in either."""
+    both = [found.get("windowed"), found.get("free_run")]
+    known = [x for x in both if x is not None]
+    return {
+        "harm_windowed": both[0], "harm_free_run": both[1], "harm": any(known) if known else None,
+    }  # fmt: skip
 
 
 def pool(scores: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -77,8 +94,8 @@ def pool(scores: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         scores: of trials of one and the same program.
 
     Raises:
-        InputError: one of them is no score, one trial is in two of them, or their shrinks are
-            not of the same kind.
+        InputError: one of them is no score, one trial is in two of them, or their rigs or
+            shrinks are not of the same kind.
     """
     for one in scores:
         if one.get("schema") != SCHEMA or not one.get("keys"):
@@ -89,11 +106,16 @@ def pool(scores: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     kinds = {one["shrink_error"]["on"] for one in scores}
     if len(kinds) > 1:
         raise InputError("Shrinks on sealed runs and on held-out ones cannot be pooled.")
-    return _scored([row for one in scores for row in one["rows"]], keys, kinds.pop())
+    rigs = {one.get("rigs", "clean") for one in scores}
+    if len(rigs) > 1:
+        raise InputError("Trials on clean and on rough rigs cannot be pooled.")
+    return _scored([row for one in scores for row in one["rows"]], keys, kinds.pop(), rigs.pop())
 
 
-def _scored(rows: Sequence[Mapping[str, Any]], keys: list[str], on: str) -> dict[str, Any]:
-    scored = {"schema": SCHEMA, "keys": keys, "cases": len(rows), **summary(rows)}
+def _scored(
+    rows: Sequence[Mapping[str, Any]], keys: list[str], on: str, rigs: str
+) -> dict[str, Any]:
+    scored = {"schema": SCHEMA, "keys": keys, "rigs": rigs, "cases": len(rows), **summary(rows)}
     scored["shrink_error"]["on"] = on
     return scored
 
@@ -109,8 +131,10 @@ def own_held_out(
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """All measures of judged cases."""
+    first = [row["first"] for row in rows if row.get("first")]
     return {
         **measures(rows),
+        "reliability": reliability([(f["probability"], f["right"]) for f in first]),
         "confusion": confusion(rows),
         "kinds": dict(Counter(row["kind"] for row in rows)),
         "from_3": measures([row for row in rows if (row["multiple"] or 0.0) >= ENOUGH]),
@@ -168,12 +192,12 @@ def confusion(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
 
 def by_effect(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     """Effect, alone in its rig -> how well it is found; ids of the catalogue and outside it."""
-    single = [row for row in rows if row["kind"] in ("one", "outside")]
+    single = [row for row in rows if row["kind"] in ("one", "outside", "cousin")]
     out = {}
     for id in sorted({row["effects"][0] for row in single}):
         mine = [row for row in single if row["effects"][0] == id]
         sizes = [row["multiple"] for row in mine if row["multiple"] is not None]
-        wrong = Counter(said(row) for row in mine if not (row["top1"] or row["unknown"]))
+        wrong = Counter(said(row) for row in mine if not any(row.get(n) for n in FOUND))
         out[id] = {
             "kind": mine[0]["kind"],
             "multiple": float(np.median(sizes)) if sizes else None,
@@ -181,6 +205,7 @@ def by_effect(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
             "top3": share([row["top3"] for row in mine if row["top3"] is not None]),
             "location": share([row["location"] for row in mine if row["location"] is not None]),
             "unknown": share([row["unknown"] for row in mine if row["unknown"] is not None]),
+            "cousin": share([row["cousin"] for row in mine if row.get("cousin") is not None]),
             "channel": share([row["channel"] for row in mine]),
             "instead": dict(wrong.most_common(3)),
         }

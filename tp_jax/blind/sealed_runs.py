@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from tp_jax._files import replaced
+from tp_jax.blind import truth
 from tp_jax.blind.seal import diagnosis_file
 from tp_jax.effects import catalogue
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
@@ -106,27 +107,40 @@ def true_model(setting: Setting, entry: Mapping[str, Any], horizon: float):
     if not set(given["effects"]) <= set(known):
         return None
     index = setting.layout.index
-    p = {n: x for n, x in given["parameters"].items() if n in index}
-    values = initial_values(setting).replace(p | {"phase": 0.0, "zero1": 0.0} | setting.fixed)
+    p = {n: x for n, x in truth.parameters(entry).items() if n in index}
+    known_too = {n: x for n, x in nuisances(entry).items() if n in index}
+    values = initial_values(setting).replace(p | known_too | setting.fixed)
     found = []
     for id, hidden in given["effects"].items():
         effect = known[id]
         variant = variants(effect, setting)[0]
         shapes = tuple((name, float(hidden["shapes"].get(name, x))) for name, x in variant.shapes)
         variant = dataclasses.replace(variant, shapes=shapes)
-        values = values.replace(variant.settings | _amplitudes(setting, given, id, hidden))
+        values = values.replace(variant.settings | _amplitudes(setting, entry, id))
         found.append(variant)
     begun = grow(setting, values, setting.unknowns(), horizons=(horizon,), max_iterations=3)
     done = sharper(setting, refit(setting, begun, found, max_iterations=ITERATIONS))
     return evaluate(setting, done.fit.values, horizon, [v.effect for v in found])
 
 
-def _amplitudes(setting: Setting, given, id: str, hidden) -> dict[str, Any]:
+def nuisances(entry: Mapping[str, Any]) -> dict[str, float]:
+    """Phase of the drive, zero of phi1, and how a measured drive's reading is to be read."""
+    recorder = entry["given"].get("recorder") or {}
+    zero1 = (recorder.get("sensor1") or {}).get("zero", 0.0)
+    out = {"phase": 0.0, "zero1": zero1}
+    drive = recorder.get("drive")
+    if drive is not None:  # the arm is (reading - offset) / gain
+        out |= {"gain": 1.0 / drive["gain"], "level": zero1 - drive["offset"] / drive["gain"]}
+    return out
+
+
+def _amplitudes(setting: Setting, entry: Mapping[str, Any], id: str) -> dict[str, Any]:
     """True amplitudes by slot; one for each recording where runs differ."""
-    names = list(hidden["sizes"])
+    given, known = entry["given"], truth.sizes(entry, id)
+    names = list(known)
     of_runs = {run["file"]: run["values"][id] for run in given["runs"] if id in run["values"]}
     if not of_runs:
-        return {f"{id}.{name}": size for name, size in hidden["sizes"].items()}
+        return {f"{id}.{name}": size for name, size in known.items()}
     nothing = [0.0] * len(names)
     table = [of_runs.get(r.name, nothing) for r in setting.recordings]
     return {f"{id}.{name}": [row[i] for row in table] for i, name in enumerate(names)}

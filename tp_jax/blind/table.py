@@ -18,8 +18,15 @@ WORDS = {
     "shrink_error": "shrink, mean distance from the best", "shrink_near": "shrink within 0.1 of it",
     "coverage_amplitudes": "95 % intervals of sizes that hold",
     "coverage_parameters": "95 % intervals of parameters that hold",
+    "cousin": "cousin, its kind named first", "cousin_location": "location, cousin",
+    "harm_windowed": "causes that harm, windowed", "harm_free_run": "causes that harm, free run",
 }  # fmt: skip
-BY_SIZE = ("top1", "top3", "location", "unknown", "channel_outside", "both_named", "shrink_error")
+#: Asked of some trials only: rows of others do not mention them.
+SOMETIMES = ("cousin", "cousin_location", "harm_windowed", "harm_free_run")
+BY_SIZE = (
+    "top1", "top3", "location", "unknown", "channel_outside", "both_named", "shrink_error",
+    "cousin",
+)  # fmt: skip
 ALL_SIZES = ("false_alarm", "undetectable")
 MISSING = "–"
 
@@ -57,8 +64,8 @@ def tables(scored: Mapping[str, Any]) -> "Group":
 
 
 def sheets(scored: Mapping[str, Any]) -> list[Sheet]:
-    """Measures, by size, by effect."""
-    return [_overall(scored), _sizes(scored), _effects(scored)]
+    """Measures, by size, by effect; how far stated probabilities hold, where any are stated."""
+    return [_overall(scored), _sizes(scored), _effects(scored), *_stated(scored)]
 
 
 def measure(of: Mapping[str, Any], *, interval: bool = True) -> str:
@@ -74,6 +81,8 @@ def measure(of: Mapping[str, Any], *, interval: bool = True) -> str:
 def _overall(scored: Mapping[str, Any]) -> Sheet:
     rows = []
     for name, words in WORDS.items():
+        if name in SOMETIMES and not scored[name]["n"]:
+            continue
         later = MISSING if name in ALL_SIZES else measure(scored["from_3"][name])
         rows.append((words, measure(scored[name]), later))
     return Sheet(f"{scored['cases']} cases", ("", "all sizes", "from 3 × detectable"), rows)
@@ -86,7 +95,9 @@ def _sizes(scored: Mapping[str, Any]) -> Sheet:
         for band in bands
     ]
     rows = [
-        (WORDS[name], *(measure(band[name], interval=False) for band in bands)) for name in BY_SIZE
+        (WORDS[name], *(measure(band[name], interval=False) for band in bands))
+        for name in BY_SIZE
+        if name not in SOMETIMES or scored[name]["n"]
     ]
     return Sheet("by size, in minimum detectable ones", ("", *heads), rows)
 
@@ -94,14 +105,28 @@ def _sizes(scored: Mapping[str, Any]) -> Sheet:
 def _effects(scored: Mapping[str, Any]) -> Sheet:
     rows = []
     for id, row in scored["effects"].items():
-        inside = row["kind"] == "one"
+        named = {"one": "top1", "cousin": "cousin"}.get(row["kind"], "unknown")
+        place = "location" if row["kind"] == "one" else "channel"
         cells = (
             id,
             MISSING if row["multiple"] is None else f"{row['multiple']:.1f} ×",
-            measure(row["top1" if inside else "unknown"], interval=False),
-            measure(row["location" if inside else "channel"], interval=False),
+            measure(row[named], interval=False),
+            measure(row[place], interval=False),
             ", ".join(f"{said} {n}" for said, n in row["instead"].items()),
         )
         rows.append(cells)
     heads = ("hidden", "median size", "named", "location or channel", "said instead")
     return Sheet("by effect, alone in its rig", heads, rows)
+
+
+def _stated(scored: Mapping[str, Any]) -> list[Sheet]:
+    """Nothing for scores that keep no probabilities."""
+    bins = [row for row in scored.get("reliability") or [] if row["n"]]
+    if not bins:
+        return []
+    rows = []
+    for row in bins:
+        right = measure({"value": row["right"], "n": row["n"], "ci95": row["ci95"]})
+        rows.append((f"{row['from']:g}–{row['to']:g}", f"{row['stated']:.3f}", right))
+    heads = ("stated probability", "mean", "right")
+    return [Sheet("first causes, as sure as is said", heads, rows)]

@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 
+#: Numbers of a rig that are in proportion to its torques.
+TORQUES = ("B1", "B2", "k", "c1", "M1", "Tv", "Ts1", "Tst")
+
 
 def channels(entry: Mapping[str, Any]) -> set[str]:
     """Channels in which the hidden effects show."""
@@ -15,6 +18,36 @@ def channels(entry: Mapping[str, Any]) -> set[str]:
 def location(entry: Mapping[str, Any], id: str) -> str:
     """Where a hidden effect is."""
     return entry["given"]["effects"][id]["location"]
+
+
+def unit_torque(entry: Mapping[str, Any]) -> float:
+    """What the campaign counts torques and moments of inertia in [N m]; 1 where it gives B1.
+
+    A campaign without B1 has it as 1, and everything else in proportion.
+    """
+    return float(entry.get("unit_torque", 1.0))
+
+
+def parameters(entry: Mapping[str, Any]) -> dict[str, float]:
+    """The rig's numbers, in the units of the campaign."""
+    unit = unit_torque(entry)
+    return {
+        name: x / unit if name in TORQUES else x for name, x in entry["given"]["parameters"].items()
+    }
+
+
+def sizes(entry: Mapping[str, Any], id: str) -> dict[str, float]:
+    """Amplitudes of a hidden effect, in the units of the campaign."""
+    effect = entry["given"]["effects"][id]
+    scales = _scales(entry, id)
+    return {n: x / y for (n, x), y in zip(effect["sizes"].items(), scales, strict=True)}
+
+
+def _scales(entry: Mapping[str, Any], id: str) -> list[float]:
+    effect = entry["given"]["effects"][id]
+    units = list(effect.get("unit") or ["1"])
+    units += units[-1:] * (len(effect["sizes"]) - len(units))
+    return [unit_torque(entry) if unit.startswith("N m") else 1.0 for unit in units]
 
 
 def size(entry: Mapping[str, Any], id: str, diagnosis: Mapping[str, Any]) -> float:
@@ -34,8 +67,8 @@ def size(entry: Mapping[str, Any], id: str, diagnosis: Mapping[str, Any]) -> flo
         and ("omega" in run or effect["location"] != "drive")
     ]
     if not values:
-        return math.hypot(*effect["sizes"].values())
-    table = np.array(values)
+        return math.hypot(*sizes(entry, id).values())
+    table = np.array(values) / np.array(_scales(entry, id))
     if id == "contact_repeatability":
         table = table - table.mean(axis=0)
     return float(np.linalg.norm(table))
@@ -67,9 +100,9 @@ def covered(entry: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> dict[str,
     if set(causes) != set(hidden):
         return out
     for id, cause in causes.items():
-        for name, true in hidden[id]["sizes"].items():
+        for name, true in sizes(entry, id).items():
             _ask(out["amplitudes"], (cause.get("parameters") or {}).get(name), true)
-    for name, true in entry["given"]["parameters"].items():
+    for name, true in parameters(entry).items():
         _ask(out["parameters"], (diagnosis.get("parameters") or {}).get(name), true)
     return out
 

@@ -19,12 +19,18 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="make a trial",
         description="Makes DIR/case-001 and so on, and a sealed key; DIR/KEY.sha256 commits to it. "
         "Of 440 cases 200 hide one effect of the catalogue, 120 none, 60 one from outside it, 60 "
-        "two.",
+        "two. Of 360 rough ones 120 hide one, 90 none, 90 one of a known kind with another "
+        "formula, 30 one from outside, 30 two.",
     )
     make.add_argument("directory", metavar="DIR", help="where to; must be empty or not there")
     make.add_argument(
         "--cases", metavar="N", type=count, default=440, help="how many (default 440)"
     )
+    make.add_argument(
+        "--rigs", choices=("clean", "rough"), default="clean",
+        help="clean: all alike, 6 runs of 10 s at 250 Hz (default); rough: rates, lengths, noise, "
+        "converters, drives and numbers differ from case to case",
+    )  # fmt: skip
     make.add_argument(
         "--workers", metavar="N", type=count, help="processes (default: as many as processors)"
     )
@@ -41,7 +47,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     score.add_argument("directory", metavar="DIR", help="a trial, every case of it diagnosed")
     score.add_argument(
         "--quick", action="store_true",
-        help="take the shrink from each diagnosis instead of from runs that were never given",
+        help="take the shrink from each diagnosis instead of from runs that were never given, and "
+        "leave out the harm on those",
     )  # fmt: skip
     score.add_argument(
         "--first", metavar="N", type=count,
@@ -61,8 +68,8 @@ def run_make(args: argparse.Namespace) -> None:
     workers = args.workers or os.cpu_count() or 1
     with shown(quiet=args.quiet) as progress:
         digest = make(
-            args.directory, args.cases, args.seed, workers=min(workers, args.cases),
-            progress=progress,
+            args.directory, args.cases, args.seed, rigs=args.rigs,
+            workers=min(workers, args.cases), progress=progress,
         )  # fmt: skip
     if not args.quiet:
         print(f"Made {args.cases} cases in {args.directory}; SHA-256 of the key: {digest}")
@@ -79,10 +86,10 @@ def run_score(args: argparse.Namespace) -> None:
         Path(args.directory), args.first
     )  # what is wrong is told before anything heavy is loaded
     with shown(quiet=args.quiet) as progress:
+        shrinks, harms = (None, None) if args.quick else on_sealed_runs()
         scored = score(
-            args.directory, shrinks=None if args.quick else measured_shrinks(), first=args.first,
-            progress=progress,
-        )  # fmt: skip
+            args.directory, shrinks=shrinks, harms=harms, first=args.first, progress=progress
+        )
     if args.json is not None:
         write_json(args.json, scored)
     if args.json != "-" and not args.quiet:
@@ -93,14 +100,15 @@ def run_score(args: argparse.Namespace) -> None:
         Console().print(tables(scored))
 
 
-def measured_shrinks():
-    """`sealed_runs.measured`, once JAX is told how to compute."""
+def on_sealed_runs():
+    """`sealed_runs.measured` and `harm.measured_harm`, once JAX is told how to compute."""
     import tp_jax as tp
     from tp_jax._config import enable_compilation_cache
 
     _ = tp.simulate  # the first name that computes sets 64 bits
     enable_compilation_cache()
 
+    from tp_jax.blind.harm import measured_harm
     from tp_jax.blind.sealed_runs import measured
 
-    return measured
+    return measured, measured_harm

@@ -137,7 +137,8 @@ class Setting:
             names += ["phase", "zero1"]
         if any(r.measured_drive for r in self.recordings):
             names += ["gain", "level"]
-        elif not self.sine:
+        # The rest position of a measured drive is its level; that of a motor at rest is the zero.
+        if not self.sine and not all(r.measured_drive for r in self.recordings):
             names += ["zero1"]
         return tuple(Unknown(n) for n in names if n not in self.fixed)
 

@@ -50,13 +50,14 @@ def nuisances(
 ) -> tuple[list[Unknown], list[Anchor]]:
     """Zeros of the angles, which matter only where an effect depends on an angle itself.
 
-    That of phi2 is one per recording; that of phi1 is one per campaign, and with a commanded sine
-    it is an unknown of the baseline already.
+    That of phi2 is one per recording; that of phi1 is one per campaign, and where the motor stands
+    or its sine is commanded it is an unknown of the baseline already.
     """
     index, specs = setting.layout.index, setting.layout.parameters
     unknowns: list[Unknown] = []
     anchors: list[Anchor] = []
-    if any(e.uses_phi1 for e in effects) and not setting.sine:
+    known = {u.name for u in setting.unknowns()}
+    if any(e.uses_phi1 for e in effects) and "zero1" not in known:
         unknowns.append(Unknown("zero1"))
         anchors.append(Anchor(unknowns[-1], 0.0, ZERO1_SD / specs[index["zero1"]].typical))
     if any(e.uses_phi2 for e in effects):

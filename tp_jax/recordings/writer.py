@@ -17,6 +17,8 @@ def write_csv(
 ) -> None:
     """Writes a recording: header `t,phi1,phi2`, or less or more of them, 17 significant digits.
 
+    A measured drive has a column `drive` behind them.
+
     What is read back is bit for bit what was written. A file that is there is replaced at once
     and whole: a reader sees the old or the new one, and a failed write leaves the old.
 
@@ -25,14 +27,14 @@ def write_csv(
         t: (n,) times [s].
         phi1: (n,) angle of the column [rad].
         phi2: (n,) angle of the ring [rad], or None.
-        drive: (n,) measured drive, or None.
+        drive: (n,) reading of the drive, in any unit, or None.
 
     Raises:
         ValueError: the columns differ in length or are not one-dimensional.
         OSError: the file cannot be written.
     """
-    given = {"t": t, "phi1": phi1, "phi2": phi2, "drive": drive}
-    columns = {name: column for name, column in given.items() if column is not None}
+    columns = {"t": t, "phi1": phi1, "phi2": phi2, "drive": drive}
+    columns = {name: column for name, column in columns.items() if column is not None}
     arrays = [np.asarray(column, dtype=float) for column in columns.values()]
     if arrays[0].ndim != 1 or any(array.shape != arrays[0].shape for array in arrays):
         shapes = ", ".join(

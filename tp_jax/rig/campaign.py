@@ -11,9 +11,9 @@ import numpy as np
 from tp_jax.errors import InputError
 from tp_jax.recordings import write_csv
 from tp_jax.rig.chain import measure
-from tp_jax.rig.effects import catalogue
 from tp_jax.rig.parameters import BENCH, RigParameters
 from tp_jax.rig.plan import plan_runs
+from tp_jax.rig.recording_key import hidden_effects, values_by_run
 from tp_jax.rig.simulator import VirtualRig
 
 
@@ -62,7 +62,7 @@ def make_campaign(
     rig = VirtualRig(parameters, effects, seed, shapes)
     measured = measured or "drive_delay" in rig.effects
     plan = plan_runs(parameters, runs, np.random.default_rng([seed, 1]))
-    values = _run_values(rig, plan)
+    values = values_by_run(rig, plan)
     rng = np.random.default_rng([seed, 2])
     ts = np.arange(round(duration * rate) + 1) / rate
     folder = Path(directory)
@@ -81,18 +81,7 @@ def make_campaign(
     toml = _toml(folder.resolve().name, parameters, rate, files, plan, with_B2, measured)
     (folder / "campaign.toml").write_text(toml, encoding="utf-8")
     return {
-        "effects": {
-            id: {
-                "sizes": dict(zip(known.amplitudes, rig.effects[id], strict=True)),
-                "unit": list(known.unit),
-                "shapes": rig.shapes[id],
-                "location": known.location,
-                "channel": known.channel,
-                "in_catalogue": known.in_catalogue,
-            }
-            for id in rig.effects
-            for known in (catalogue()[id],)
-        },
+        "effects": hidden_effects(rig),
         "parameters": dataclasses.asdict(parameters),
         "noise": noise,
         "bits": bits,
@@ -104,22 +93,6 @@ def make_campaign(
             for file, kind, own in zip(files, plan, values, strict=True)
         ],
     }
-
-
-def _run_values(
-    rig: VirtualRig, plan: Sequence[Mapping[str, float]]
-) -> list[dict[str, tuple[float, ...]]]:
-    """What differs from run to run, for each of them."""
-    drawn = []
-    for kind in plan:
-        rig.start(omega=kind.get("omega"), release=kind.get("release"))
-        drawn.append(dict(rig.run_values))
-    for id in rig.run_values:
-        if catalogue()[id].relative:
-            mean = np.mean([own[id] for own in drawn], axis=0)
-            for own in drawn:
-                own[id] = tuple((np.array(own[id]) - mean).tolist())
-    return drawn
 
 
 def _toml(

@@ -118,7 +118,7 @@ class VirtualRig:
         self._angle = angle
         for late in hooks.late:
             late(angle)
-        self._hooks, self._duration = hooks, duration
+        self._hooks, self._duration, self._arm = hooks, duration, angle
         first = 0.0 if release is None else float(release)
         self._motion = Motion(parameters, hooks, angle, first, duration)
         self._passed: deque[Segment] = deque()
@@ -149,6 +149,13 @@ class VirtualRig:
         t = float(t)
         self._go_to(t)
         return self._at(t).read(t)
+
+    def arm(self, t: float) -> float:
+        """Angle of the motor's arm [rad] at a true time [s] of the run in progress.
+
+        Not for rigs with play in their drive, whose arm has a memory of its own.
+        """
+        return self._arm(float(t))
 
     def advance(self, t: float) -> tuple[float, float]:
         """Goes on to a true time; what ideal sensors with the hidden effects report there [rad].

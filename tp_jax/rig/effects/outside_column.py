@@ -25,6 +25,7 @@ class SpringClampSlip(Outside):
     id = "spring_clamp_slip"
     formula = "stiffness k before and k (1 + a) after a moment of the run's middle third"
     channel, location = "column", "spring"
+    cousin_of, family = "spring_relaxation", "spring.s"
 
     def install(self, run, a):
         at = run.duration * float(run.rng.uniform(1 / 3, 2 / 3))
@@ -117,6 +118,7 @@ class BearingRim(Outside):
     id = "bearing_rim"
     formula = "limit M1 (1 + a) where |phi1| exceeds the rim"
     channel, location = "column", "bearing"
+    cousin_of, family = "bearing_position", "bearing_dry.phi1"
     shapes = {"rim": 0.25}  # noqa: RUF012
 
     def install(self, run, a):

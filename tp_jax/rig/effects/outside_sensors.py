@@ -79,6 +79,7 @@ class Sensor2Saturation(Outside):
     formula = "y2 = phi2 - a phi2 |phi2|"
     unit = ("1/rad",)
     channel = location = "sensor2"
+    cousin_of, family = "sensor2_nonlinearity", "sensor2.phi2"
     needs_rider = True
 
     def install(self, run, a):

@@ -12,6 +12,12 @@ from tp_jax.rig.effects import (
     clock,
     column,
     contact,
+    cousins_bearing,
+    cousins_column,
+    cousins_contact,
+    cousins_drive,
+    cousins_sensors,
+    cousins_spring,
     drive,
     outside_clock,
     outside_column,
@@ -25,6 +31,8 @@ from tp_jax.rig.effects.base import Effect, Hidden
 FAMILIES: tuple[ModuleType, ...] = (
     drive, spring, bearing, contact, column, sensors, clock,
     outside_column, outside_contact, outside_sensors, outside_clock,
+    cousins_drive, cousins_spring, cousins_bearing, cousins_contact, cousins_column,
+    cousins_sensors,
 )  # fmt: skip
 
 
