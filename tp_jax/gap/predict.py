@@ -1,5 +1,6 @@
 """Free-run prediction of a run never seen, from a diagnosis."""
 
+import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,8 @@ import numpy as np
 
 from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import drive_for, pendulum
-from tp_jax.model.pendulum import SingleTorsionPendulum
+from tp_jax.estimation.layout import SENSORS
+from tp_jax.model.pendulum import AbstractTorsionPendulum, SingleTorsionPendulum
 from tp_jax.recordings import load_campaign, local_polynomial
 from tp_jax.simulation.solve import Trajectory, simulate
 
@@ -81,11 +83,29 @@ def times(start: float, duration: float, rate: float) -> np.ndarray:
     return start + np.arange(n + 1) / rate
 
 
-def readings_of(model, t: np.ndarray, x0: np.ndarray) -> Trajectory:
-    """A simulated motion with the sensors' readings in place of the angles."""
-    motion = simulate(model, t, x0)
+def readings_of(model: AbstractTorsionPendulum, t: np.ndarray, x0: np.ndarray) -> Trajectory:
+    """A simulated motion with the sensors' readings in place of the angles.
+
+    Args:
+        model: with all effects.
+        t: times [s].
+        x0: (4,) angles [rad] and velocities [rad/s] at the first. What effects remember begins at
+            rest, as in the diagnosis' own free runs.
+
+    Raises:
+        InputError: the motion cannot be integrated to its end.
+    """
+    own = np.zeros(model.n_states - x0.size)
+    motion = simulate(model, t, np.concatenate([x0, own]))
     states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
-    y1, y2 = model.readings(motion.t, states)
+    if not np.isfinite(states).all():
+        raise InputError(
+            "The model of this diagnosis cannot be integrated to the end of the run; check the "
+            "numbers under fits, or ask for a shorter run."
+        )
+    # What acts on the motion has done so; the states of its own are not in the trajectory.
+    sensing = tuple(term for term in model.terms if term.hook in SENSORS)
+    y1, y2 = dataclasses.replace(model, terms=sensing).readings(motion.t, states)
     single = isinstance(model, SingleTorsionPendulum)
     return motion._replace(phi1=y1, phi2=None if single else y2)
 
