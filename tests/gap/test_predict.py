@@ -81,7 +81,7 @@ def test_drifts_run_on_the_clock_of_the_fit(folder):
 
 @pytest.fixture(scope="module")
 def every():
-    """(ids -> a diagnosis whose causes they are, each of its typical size), from the true numbers."""
+    """ids -> a diagnosis by the true numbers whose causes they are, each of its typical size."""
     setting = prepare_campaign(synthetic_campaign(1e-5))
     values = synthetic_values(setting)
     for effect in catalogue().values():
@@ -172,6 +172,6 @@ def test_memory_begins_at_rest(every):
 
 def test_a_model_that_cannot_be_integrated_is_told(every):
     diagnosis = every("contact_stribeck")
-    diagnosis["fits"]["after"]["parameters"]["k"] = 1e300
+    diagnosis["fits"]["after"]["effects"]["contact_stribeck"]["vs"] = 0.0
     with pytest.raises(InputError, match="cannot be integrated"):
         tp.predict(diagnosis, omega=13.0, **SHORT)
