@@ -134,7 +134,7 @@ def test_version(capsys):
         ([*RECORD, "--baud", "9" * 20], "--baud must be at most"),
         ([*RECORD, "--patience", "1e300"], "--patience must be at most"),
         ([*RECORD, "--release", "1e300"], "--release must be at most 100 rad"),
-        ([*RECORD[:-1], "x" * 300], "file name too long"),
+        ([*RECORD[:-1], "x" * 300], "File name too long"),
         ([*RECORD[:-2], "--campaign", "x" * 300], "File name too long"),
         (["rig", "serve", "--rate", "1e300"], "--rate must be at most"),
         (["rig", "serve", "--text", "--release", "1e300"], "--release must be at most"),

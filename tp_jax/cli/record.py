@@ -125,8 +125,8 @@ def run_record(args: argparse.Namespace) -> None:
     ready(args.json)
     if args.campaign is None:
         out, folder = Path(args.out), None
-        ready(args.out)
         check(out, settings)
+        ready(args.out)
     else:
         folder = Path(args.campaign)
         check_campaign(folder)
