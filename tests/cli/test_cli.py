@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,7 +18,7 @@ from tp_jax.cli import arguments, main, sensitivity
 from tp_jax.cli.arguments import sample_count
 from tp_jax.cli.diagnose import EXAMPLE, default_folder
 from tp_jax.cli.simulate import PRESETS
-from tp_jax.errors import InputError
+from tp_jax.errors import InputError, Notice
 from tp_jax.model import plausible
 
 ROOT = Path(__file__).parent.parent.parent
@@ -283,6 +284,39 @@ def test_interrupted(capsys, monkeypatch):
     put(monkeypatch, "identify", failing(KeyboardInterrupt()))
     assert main(["identify", "c"]) == 130
     assert "Traceback" not in capsys.readouterr().err
+
+
+def warning(*given):
+    def identify(campaign, **options):
+        for message, category in given:
+            warnings.warn(message, category, stacklevel=1)
+        raise InputError("No start came to anything.")
+
+    return identify
+
+
+MANY = [("The iteration\nis not making good progress", RuntimeWarning), ("old", FutureWarning)]
+
+
+@pytest.mark.usefixtures("any_campaign")
+@pytest.mark.filterwarnings("always")
+def test_warnings_of_libraries_are_not_for_users(capsys, monkeypatch):
+    put(monkeypatch, "identify", warning(*MANY, ("It is\nleft out.", Notice)))
+    before = warnings.showwarning
+    assert main(["identify", "c"]) == 2
+    told = capsys.readouterr().err
+    assert told == "tp-jax: It is left out.\ntp-jax: No start came to anything.\n"
+    assert warnings.showwarning is before
+
+
+@pytest.mark.usefixtures("any_campaign")
+@pytest.mark.filterwarnings("always")
+def test_debug_shows_them(capsys, monkeypatch):
+    shown = []
+    monkeypatch.setattr(warnings, "showwarning", lambda *given: shown.append(given[1]))
+    put(monkeypatch, "identify", warning(*MANY))
+    assert main(["identify", "c", "--debug"]) == 2
+    assert shown == [RuntimeWarning, FutureWarning]
 
 
 # simulate ------------------------------------------------------------------------------------
