@@ -20,6 +20,7 @@ ALLOWED: dict[str, set[str]] = {
     "_compiler": set(),
     "_config": set(),
     "_stored": {"_compiler", "_config", "_memory"},
+    "schemas": set(),
     "model": set(),
     "effects": {"model"},
     "simulation": {"_compiler", "model", "effects"},
@@ -60,6 +61,7 @@ FORBIDDEN = {
     "errors": {*JAX, "numpy", "scipy"},
     "_files": {*JAX, "numpy", "scipy"},
     "_memory": {*JAX, "numpy", "scipy"},
+    "schemas": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,
 }

@@ -6,3 +6,10 @@ class InputError(ValueError):
 
     The command line prints the message alone, without a traceback, and exits with 2.
     """
+
+
+class Notice(UserWarning):
+    """Something was left out, and the package goes on without it; the message says what and why.
+
+    The command line prints it as one line, while warnings of libraries stay unseen.
+    """

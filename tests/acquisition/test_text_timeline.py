@@ -64,3 +64,11 @@ def test_times_always_rise(times, size):
     t = np.concatenate([np.arange(LEARNT_FROM) * 0.5, times])
     got = fed(timeline, t, size)
     assert np.all(np.diff(got) > 0.0)
+
+
+@given(st.lists(st.floats(-1e6, 1e6, allow_subnormal=True), min_size=1, max_size=60))
+def test_no_count_is_negative(t):
+    timeline = TextTimeline()
+    fed(timeline, t)
+    assert min(timeline.lost, timeline.accepted, timeline.implausible) >= 0
+    assert sum(gap.samples for gap in timeline.take_gaps()) == timeline.lost

@@ -1,8 +1,11 @@
 """The command line: what it prints where, its exit codes, and that it answers at once."""
 
+import errno
 import json
+import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,13 +13,16 @@ import numpy as np
 import pytest
 
 import tp_jax
-from tp_jax.cli import main
+from tests.schemas import small
+from tp_jax.cli import arguments, main, sensitivity
 from tp_jax.cli.arguments import sample_count
 from tp_jax.cli.diagnose import EXAMPLE, default_folder
 from tp_jax.cli.simulate import PRESETS
-from tp_jax.errors import InputError
+from tp_jax.errors import InputError, Notice
+from tp_jax.model import plausible
 
 ROOT = Path(__file__).parent.parent.parent
+RECORD = ("record", "--port", "emulator", "--duration", "1", "--out", "new.csv")
 COMMANDS = ("simulate", "identify", "diagnose", "predict")
 
 
@@ -96,18 +102,103 @@ def test_version(capsys):
         (["predict", "d.json", "--omega", "3", "--rate", "10"], "--duration is needed"),
         (["predict", "d.json", "--omega", "3", "--duration", "10"], "--rate is needed"),
         (["predict", "d.json", "--omega", "3", "--duration", "1e9", "--rate", "1e9"], "samples"),
+        (["predict", "d.json", "--phi1", "1", "--duration", "1e15", "--rate", "9"], "EB of memory"),
+        (["predict", "d.json", "--phi1", "1", "--duration", "1e-9", "--rate", "9"], "samples"),
+        (["predict", "d.json", "--phi1", "1", "--duration", "1", "--rate", "1e12"], "600 TB"),
+        (["predict", "d.json", "--phi1", "1e300", "--duration", "1", "--rate", "9"], "100 rad"),
+        (["predict", "d.json", "--omega", "1e9", "--duration", "1", "--rate", "9"], "10000 rad/s"),
+        (["simulate", "--duration", "1e308"], "of memory"),
+        (["simulate", "--duration", "1e308", "--rate", "1e-307"], "at most 1e+07 s"),
+        (["simulate", "--out", "x" * 300], "file name too long"),
+        (["simulate", "--out", "/dev/null/x"], "/dev/null"),
+        (["identify", "x" * 300], "xxx"),
+        (["identify", EXAMPLE, "--json", "x" * 300], "file name too long"),
+        (["identify", EXAMPLE, "--json", "/dev/null/x.json"], "/dev/null"),
+        (["identify", EXAMPLE, "--bound", "k=1e300:1e308"], "The bounds of k must lie between"),
+        (["identify", EXAMPLE, "--bound", "k=0:1e-300"], "The bounds of k must lie between"),
+        (["identify", EXAMPLE, "--bound", "k=-1:1"], "k must not be negative"),
+        (["identify", EXAMPLE, "--bound", "T0=0:1e308", "--raw-starts"], "The bounds of T0"),
+        (["identify", EXAMPLE, "--fix", "k=1e308"], "Parameter k must lie between"),
+        (["identify", EXAMPLE, "--fix", "B2=1e300"], "Parameter B2 must lie between"),
+        (["identify", EXAMPLE, "--fix", "B1=1e300"], "Parameter B1 must lie between"),
+        (["identify", EXAMPLE, "--fix", "magic=1"], "no parameter 'magic'"),
+        (["identify", EXAMPLE, "--starts", "10" * 20], "--starts must be at most"),
+        (["sensitivity", EXAMPLE, "--fix", "k=-1"], "k must be above zero"),
+        (["sensitivity", EXAMPLE, "--spread", "1e300"], "--spread must be a factor above 1"),
+        (["sensitivity", EXAMPLE, "--spread", "1"], "--spread must be a factor above 1"),
+        (["sensitivity", EXAMPLE, "--samples", "100"], "--samples must be a power of two"),
+        (["sensitivity", EXAMPLE, "--samples", str(2**60)], "--samples must be at most"),
+        (["sensitivity", EXAMPLE, "--profile", "nope"], "no parameter 'nope'"),
+        (["sensitivity", EXAMPLE, "--profile", "k", "--fix", "k=1"], "which --fix holds"),
+        (["diagnose", EXAMPLE, "--out", "x" * 300], "file name too long"),
+        (["diagnose", EXAMPLE, "--seed", "1" * 400], "--seed must be at most"),
+        ([*RECORD, "--baud", "9" * 20], "--baud must be at most"),
+        ([*RECORD, "--patience", "1e300"], "--patience must be at most"),
+        ([*RECORD, "--release", "1e300"], "--release must be at most 100 rad"),
+        ([*RECORD[:-1], "x" * 300], "File name too long"),
+        ([*RECORD[:-2], "--campaign", "x" * 300], "File name too long"),
+        (["rig", "serve", "--rate", "1e300"], "--rate must be at most"),
+        (["rig", "serve", "--text", "--release", "1e300"], "--release must be at most"),
+        (["rig", "serve", "--unplug", "1e300:1"], "must be at most"),
+        (["calibrate", "x" * 300, "--out", "x" * 300], "File name too long"),
         (["predict", "missing.json", "--omega", "3", "--duration", "1", "--rate", "9"], "missing"),
     ],
 )
 def test_bad_arguments_are_told_in_one_sentence(argv, part, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(argv) == 2
+    assert main([str(word) for word in argv]) == 2
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.startswith("tp-jax: ")
     assert told.err.count("\n") == 1
     assert told.err.endswith(".\n")
     assert part in told.err
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ["identify", str(EXAMPLE), "--fix", "k=1e308"],
+        ["identify", str(EXAMPLE), "--json", "/dev/null/x.json"],
+        ["sensitivity", str(EXAMPLE), "--profile", "nope"],
+        ["predict", "d.json", "--recording", str(EXAMPLE / "run-13.csv"), "--rate", "9e6"],
+        ["predict", "d.json", "--recording", str(EXAMPLE / "run-13.csv"), "--duration", "1e-9"],
+    ],
+)
+def test_a_bad_argument_is_told_before_jax_is_loaded(argv, tmp_path):
+    (tmp_path / "d.json").write_text(json.dumps(small.diagnosis()))
+    code = (
+        "import sys; from tp_jax.cli import main; code = main(sys.argv[1:]);"
+        "assert code == 2, code; assert 'jax' not in sys.modules"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, *argv], capture_output=True, text=True, cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.startswith("tp-jax: ")
+    assert done.stderr.count("\n") == 1
+
+
+def test_more_samples_than_there_is_memory_for(monkeypatch):
+    monkeypatch.setattr(arguments, "memory", lambda: 1e9)
+    assert sample_count(1.0, 1e6) == 1_000_001
+    with pytest.raises(InputError, match=r"take about 3 GB of memory, but this machine has 1 GB"):
+        sample_count(5.0, 1e6)
+
+
+def test_what_commands_know_by_heart():
+    assert sensitivity.MOST_SPREAD == plausible.MOST_SPREAD
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS, errno.ENAMETOOLONG])
+@pytest.mark.usefixtures("any_campaign")
+def test_what_the_system_refuses_is_no_fault_of_ours(number, capsys, monkeypatch):
+    put(monkeypatch, "identify", failing(OSError(number, os.strerror(number), "a/file")))
+    assert main(["identify", "c"]) == 2
+    assert (
+        capsys.readouterr().err == f"tp-jax: Cannot use the file a/file: {os.strerror(number)}.\n"
+    )
 
 
 @pytest.mark.parametrize("command", ["identify", "diagnose"])
@@ -147,7 +238,7 @@ def failing(fault):
 @pytest.fixture
 def any_campaign(monkeypatch):
     """No campaign is read: what the library is called with is looked at instead."""
-    campaign = SimpleNamespace(name="a rig/of ours")
+    campaign = SimpleNamespace(name="a rig/of ours", B1=1.2e-3)
     for command in ("identify", "diagnose"):
         module = sys.modules[f"tp_jax.cli.{command}"]
         monkeypatch.setattr(module, "load", lambda args, path: campaign)
@@ -193,6 +284,39 @@ def test_interrupted(capsys, monkeypatch):
     put(monkeypatch, "identify", failing(KeyboardInterrupt()))
     assert main(["identify", "c"]) == 130
     assert "Traceback" not in capsys.readouterr().err
+
+
+def warning(*given):
+    def identify(campaign, **options):
+        for message, category in given:
+            warnings.warn(message, category, stacklevel=1)
+        raise InputError("No start came to anything.")
+
+    return identify
+
+
+MANY = [("The iteration\nis not making good progress", RuntimeWarning), ("old", FutureWarning)]
+
+
+@pytest.mark.usefixtures("any_campaign")
+@pytest.mark.filterwarnings("always")
+def test_warnings_of_libraries_are_not_for_users(capsys, monkeypatch):
+    put(monkeypatch, "identify", warning(*MANY, ("It is\nleft out.", Notice)))
+    before = warnings.showwarning
+    assert main(["identify", "c"]) == 2
+    told = capsys.readouterr().err
+    assert told == "tp-jax: It is left out.\ntp-jax: No start came to anything.\n"
+    assert warnings.showwarning is before
+
+
+@pytest.mark.usefixtures("any_campaign")
+@pytest.mark.filterwarnings("always")
+def test_debug_shows_them(capsys, monkeypatch):
+    shown = []
+    monkeypatch.setattr(warnings, "showwarning", lambda *given: shown.append(given[1]))
+    put(monkeypatch, "identify", warning(*MANY))
+    assert main(["identify", "c", "--debug"]) == 2
+    assert shown == [RuntimeWarning, FutureWarning]
 
 
 # simulate ------------------------------------------------------------------------------------
@@ -266,7 +390,7 @@ def test_identify(any_campaign, capsys, monkeypatch, tmp_path):
     result = {"schema": "tp-jax/identify/1", "objective": np.float64(np.nan), "n": np.arange(2)}
     put(monkeypatch, "identify", answering(called, result))
     argv = ["identify", "c", "--model", "paper", "--method", "nelder-mead", "--starts", "3"]
-    argv += ["--fix", "k=0.5", "--fix", "Ts1=-1e-3", "--bound", "A=-1:2", "--seed", "7"]
+    argv += ["--fix", "k=0.5", "--fix", "Ts1=1e-3", "--bound", "A=0.1:2", "--seed", "7"]
 
     path = tmp_path / "r.json"
     assert main([*argv, "--json", str(path)]) == 0
@@ -278,8 +402,8 @@ def test_identify(any_campaign, capsys, monkeypatch, tmp_path):
         "model": "paper",
         "method": "nelder-mead",
         "starts": 3,
-        "fix": {"k": 0.5, "Ts1": -1e-3},
-        "bound": {"A": (-1.0, 2.0)},
+        "fix": {"k": 0.5, "Ts1": 1e-3},
+        "bound": {"A": (0.1, 2.0)},
         "seed": 7,
     }
     expected = {"schema": "tp-jax/identify/1", "objective": None, "n": [0, 1]}
@@ -367,13 +491,13 @@ def test_predict(capsys, monkeypatch, tmp_path):
 
     put(monkeypatch, "predict", predict)
     path = tmp_path / "diagnosis.json"
-    path.write_text('{"schema": "tp-jax/diagnosis/1", "fits": {}}')
+    path.write_text(json.dumps(small.diagnosis()))
     argv = ["predict", str(path), "--duration", "0.1", "--rate", "10"]
 
     assert main([*argv, "--phi1", "-0.5", "--model", "before"]) == 0
     assert capsys.readouterr().out.split("\n")[0] == "t,phi1"
     diagnosis, options = called[0]
-    assert diagnosis["fits"] == {}
+    assert diagnosis == small.diagnosis()
     assert options == {
         "omega": None,
         "phi1": -0.5,
@@ -396,7 +520,7 @@ def test_a_run_that_does_not_end_is_our_fault(capsys, monkeypatch, tmp_path):
     motion = SimpleNamespace(t=t, phi1=np.array([0.0, np.inf]), phi2=t)
     put(monkeypatch, "predict", lambda diagnosis, **options: motion)
     path = tmp_path / "diagnosis.json"
-    path.write_text('{"schema": "tp-jax/diagnosis/1", "fits": {}}')
+    path.write_text(json.dumps(small.diagnosis()))
     argv = ["predict", str(path), "--omega", "5", "--duration", "0.1", "--rate", "10"]
     assert main(argv) == 1
     told = capsys.readouterr()

@@ -30,7 +30,9 @@ def asked(monkeypatch, tmp_path):
 
     monkeypatch.setenv("TP_JAX_CACHE", "off")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(command, "load", lambda args, path: SimpleNamespace(name="our/rig"))
+    monkeypatch.setattr(
+        command, "load", lambda args, path: SimpleNamespace(name="our/rig", B1=None)
+    )
     monkeypatch.setitem(vars(tp_jax), "identify", identify)
     return calls
 

@@ -31,7 +31,7 @@ def called(monkeypatch):
     module = sys.modules.get("tp_jax.cli.sensitivity") or __import__(
         "tp_jax.cli.sensitivity", fromlist=["run"]
     )
-    monkeypatch.setattr(module, "load", lambda args, path: f"campaign at {path}")
+    monkeypatch.setattr(module, "load", lambda args, path: SimpleNamespace(name=path, B1=None))
     return seen
 
 

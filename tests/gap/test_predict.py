@@ -1,14 +1,16 @@
 """Predictions from the numbers of a fit."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 
 import tp_jax as tp
 from tests.rigs import synthetic_campaign, synthetic_values
+from tp_jax.effects import catalogue
 from tp_jax.errors import InputError
-from tp_jax.estimation.assemble import fit_record
+from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
 from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.recordings import write_csv
 
@@ -72,3 +74,104 @@ def test_drifts_run_on_the_clock_of_the_fit(folder):
     late = tp.predict(diagnosis, **given)
     del record["drift"]
     assert np.abs(late.phi1 - tp.predict(diagnosis, **given).phi1).max() > 1e-2
+
+
+# Every effect of the catalogue --------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def every():
+    """ids -> a diagnosis by the true numbers whose causes they are, each of its typical size."""
+    setting = prepare_campaign(synthetic_campaign(1e-5))
+    values = synthetic_values(setting)
+    for effect in catalogue().values():
+        numbers = {effect.qualified(a.name): a.typical for a in effect.amplitudes}
+        numbers |= {effect.qualified(s.name): s.grid[len(s.grid) // 2] for s in effect.shapes}
+        values = values.replace(numbers)
+    labels = [r.label for r in setting.recordings]
+    before = fit_record(values, (), labels)
+
+    def diagnosis(*ids: str) -> dict:
+        record = json.loads(json.dumps(fit_record(values, ids, labels)))  # as read from a file
+        return {"fits": {"before": before, "after": record}}
+
+    return diagnosis
+
+
+STATEFUL = sorted(id for id, effect in catalogue().items() if effect.n_states)
+SHORT = dict(duration=0.4, rate=100.0)
+
+
+@pytest.fixture(scope="module")
+def check(every):
+    """Sees that both runs are there to the end, and are not the one without causes."""
+    first = every()
+    without = tp.predict(first, omega=13.0, **SHORT, model="before")
+
+    def check(*ids: str) -> None:
+        diagnosis = every(*ids)
+        for run in (dict(omega=13.0), dict(phi1=1.0)):
+            found = tp.predict(diagnosis, **run, **SHORT)
+            y = np.stack([found.phi1, found.phi2])
+            assert y.shape == (2, 41)
+            assert np.isfinite(y).all()
+            if "omega" in run:  # of a drive that stands nothing is heard in a decay
+                assert np.abs(y - np.stack([without.phi1, without.phi2])).max() > 1e-8
+
+    return check
+
+
+@pytest.mark.parametrize("id", STATEFUL)
+def test_causes_with_states_of_their_own(id, check):
+    check(id)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("id", sorted(set(catalogue()) - set(STATEFUL)))
+def test_causes_without(id, check):
+    check(id)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "ids",
+    [
+        ("contact_presliding", "base_compliance"),
+        ("base_compliance", "sensor2_nonlinearity", "bearing_presliding"),
+        ("column_cable", "contact_stribeck"),
+        ("channel_delay", "spring_hysteresis"),
+        ("clock_skew", "contact_presliding"),
+    ],
+    ids="+".join,
+)
+def test_causes_together(ids, check):
+    check(*ids)
+
+
+def test_a_recording_with_a_cause_that_remembers(every, folder):
+    run = tp.predict(
+        every("contact_presliding"), recording=folder / "decay.csv", duration=0.5, rate=250.0
+    )
+    assert run.phi1.shape == (126,)
+    assert np.isfinite([run.phi1, run.phi2]).all()
+
+
+def test_memory_begins_at_rest(every):
+    """As the diagnosis' own free runs have it, and the readings are those of the whole motion."""
+    diagnosis = every("contact_presliding", "sensor_crosstalk")
+    record = diagnosis["fits"]["after"]
+    found = tp.predict(diagnosis, omega=13.0, **SHORT)
+    t = np.arange(41) / 100.0
+    model = pendulum(record, drive_for(record, omega=13.0))
+    motion = tp.simulate(model, t, np.zeros(5))
+    zero2 = np.mean(list(record["nuisances"]["zero2"].values()))
+    share = record["effects"]["sensor_crosstalk"]["a"]
+    wanted = motion.phi2 + zero2 + share * motion.phi1
+    np.testing.assert_allclose(found.phi2, wanted, atol=1e-9)
+
+
+def test_a_model_that_cannot_be_integrated_is_told(every):
+    diagnosis = every("contact_stribeck")
+    diagnosis["fits"]["after"]["effects"]["contact_stribeck"]["vs"] = 0.0
+    with pytest.raises(InputError, match="cannot be integrated"):
+        tp.predict(diagnosis, omega=13.0, **SHORT)

@@ -62,6 +62,7 @@ class Log:
         self._gaps: list[dict[str, Any]] = []
         self._gaps_not_listed = 0
         self._cause: str | None = None  # of the next gap
+        self._lost_at_end = 0  # samples of gaps that reach beyond the run's end
         self._written = 0
         self._first = self._last = 0.0
         self._least = np.full(len(source.names), np.inf)
@@ -94,6 +95,9 @@ class Log:
     def gaps(self, gaps: Iterable[Gap]) -> None:
         """Notes gaps."""
         for gap in gaps:
+            begin = self._begin_of_run()
+            if gap.before > (gap.after if begin is None else begin) + self._settings.duration:
+                self._lost_at_end += gap.samples
             if gap.before - gap.after < LISTED_FROM and self._cause is None:
                 continue
             if len(self._gaps) >= MOST_LISTED:
@@ -192,15 +196,20 @@ class Log:
     def _lost(self, cut: int) -> int:
         """Samples missing up to the last one written, or up to the run's end where it was reached.
 
-        The timeline also counts those missing between the end and the first sample after it.
+        The timeline also counts those missing between the end and the first sample after it: by
+        their times, but no more than the gap over the end has, since a clock may have jumped.
         """
         timeline = self._source.timeline
         if not cut or not timeline.period or timeline.last is None:
             return timeline.lost
-        begin = 0.0 if self._source.stream == "frames" else self._begin or 0.0
+        begin = self._begin_of_run() or 0.0
         whole = int(self._settings.duration / timeline.period + 0.25)
         beyond = round((timeline.last - begin) / timeline.period) - whole
-        return timeline.lost - max(beyond - cut, 0)
+        return timeline.lost - min(max(beyond - cut, 0), self._lost_at_end)
+
+    def _begin_of_run(self) -> float | None:
+        """Time of the run's begin [s]; None until a text stream has told."""
+        return 0.0 if self._source.stream == "frames" else self._begin
 
 
 _TIME = {

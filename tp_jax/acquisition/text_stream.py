@@ -6,15 +6,16 @@ no checksum protects it, so a damaged digit passes for a number. The frames of `
 better choice wherever the line is not beyond doubt.
 """
 
-import math
-
 import numpy as np
 
 LONGEST_LINE = 256
 """Bytes without a line end after which they are given up."""
 
 LARGEST = 1e6
-"""A number above this is no reading: a digit was lost on the way, or the decimal point."""
+"""A time [s] above this is none: a digit was lost on the way, or the decimal point."""
+
+LARGEST_READING = 1e4
+"""A reading above this, in rad or volts, is none: 1,600 turns of a ring."""
 
 _SEPARATORS = bytes.maketrans(b",;\t", b"   ")
 
@@ -70,7 +71,7 @@ class TextParser:
 
 
 def numbers(line: bytes) -> list[float] | None:
-    """The two or three finite numbers of a line; None where it is anything else."""
+    """The time and the one or two readings of a line; None where it is anything else."""
     cells = line.translate(_SEPARATORS).split()
     if not 2 <= len(cells) <= 3 or b"_" in line:
         return None
@@ -78,4 +79,7 @@ def numbers(line: bytes) -> list[float] | None:
         row = [float(cell) for cell in cells]
     except ValueError:
         return None
-    return row if all(math.isfinite(x) and abs(x) <= LARGEST for x in row) else None
+    time, *readings = row
+    # what is not a number is below nothing
+    plausible = abs(time) <= LARGEST and all(abs(x) <= LARGEST_READING for x in readings)
+    return row if plausible else None

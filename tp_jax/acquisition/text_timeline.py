@@ -21,6 +21,9 @@ CONFIRMED = 3
 LEARNT_FROM = 8
 """Rows that are looked at together for the period before the first is believed."""
 
+MOST_MISSING = 2**32
+"""Samples missing at once that are counted: a damaged period would have made them any number."""
+
 
 class TextTimeline:
     """Filters rows; attributes as in `timeline.Timeline`, period in seconds, None until known.
@@ -120,7 +123,8 @@ class TextTimeline:
         assert self.period is not None
         assert self.last is not None
         t = np.concatenate([[self.last], rows[:, 0]])
-        missing = np.maximum(np.rint(np.diff(t) / self.period).astype(int) - 1, 0)
+        missing = np.rint(np.diff(t) / self.period) - 1.0
+        missing = np.clip(missing, 0.0, MOST_MISSING).astype(int)
         if self.accepted == 0:
             missing[0] = 0
         for i in np.flatnonzero(missing):

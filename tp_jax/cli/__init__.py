@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 from tp_jax.cli.arguments import Parser
 from tp_jax.cli.faults import explain
+from tp_jax.cli.warned import only_notices
 
 
 def build_parser() -> Parser:
@@ -63,8 +64,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as done:  # --help, --version, or a fault that argparse has told already
         return int(done.code or 0)
     try:
-        args.run(args)
-        sys.stdout.flush()
+        with only_notices(debug=args.debug):
+            args.run(args)
+            sys.stdout.flush()
     except KeyboardInterrupt as stop:
         # a command that keeps what it has done says how to go on
         print(f"tp-jax: {str(stop) or 'interrupted.'}", file=sys.stderr)

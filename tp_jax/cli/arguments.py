@@ -2,7 +2,9 @@
 
 import argparse
 import math
+import os
 import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -12,6 +14,20 @@ if TYPE_CHECKING:
     from tp_jax.recordings import Campaign
 
 MOST_SAMPLES = 10_000_000
+
+BYTES_PER_SAMPLE = 600
+"""Of memory that a simulated run takes at its peak, the text of its file included."""
+
+LONGEST_RUN = 1e7
+"""Seconds of a run: four months."""
+
+LARGEST_ANGLE = 100.0
+"""Radians beyond which nobody turns a column."""
+
+FASTEST_DRIVE = 1e4
+"""rad/s beyond which no motor turns."""
+
+MOST_STARTS = 1_000_000
 
 
 class Parser(argparse.ArgumentParser):
@@ -26,6 +42,8 @@ class Parser(argparse.ArgumentParser):
         sentence = message[:1].upper() + message[1:].rstrip(".")
         self.exit(2, f"tp-jax: {sentence}; see {self.prog} --help.\n")
 
+
+Kind = Callable[[str], float]
 
 # Kinds of values -----------------------------------------------------------------------------
 
@@ -57,20 +75,53 @@ def non_negative(text: str) -> float:
     return value
 
 
-def whole(text: str, *, least: int = 0) -> int:
-    """A whole number, `least` or above."""
+def whole(text: str, *, least: int = 0, most: int = 2**63 - 1) -> int:
+    """A whole number from `least` to `most`."""
     try:
         value = int(text)
     except ValueError:
         value = None
     if value is None or value < least:
-        raise argparse.ArgumentTypeError(f"must be a whole number from {least} up, but is {text!r}")
+        raise argparse.ArgumentTypeError(
+            f"must be a whole number from {least} up, but is {_short(text)!r}"
+        )
+    if value > most:
+        raise argparse.ArgumentTypeError(f"must be at most {most}, but is {_short(text)}")
     return value
 
 
 def count(text: str) -> int:
     """A whole number above zero."""
     return whole(text, least=1)
+
+
+def up_to(kind: Kind, most: float, unit: str) -> Kind:
+    """A number of the kind given, no further from zero than `most` of the unit."""
+
+    def limited(text: str) -> float:
+        value = kind(text)
+        if abs(value) > most:
+            raise argparse.ArgumentTypeError(
+                f"must be at most {most:g} {unit}, but is {_short(text)}"
+            )
+        return value
+
+    return limited
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+seconds = up_to(positive, LONGEST_RUN, "s")
+angle = up_to(number, LARGEST_ANGLE, "rad")
+frequency = up_to(non_negative, FASTEST_DRIVE, "rad/s")
+frequency_above_zero = up_to(positive, FASTEST_DRIVE, "rad/s")
+
+
+def starts(text: str) -> int:
+    """A number of starts."""
+    return whole(text, least=1, most=MOST_STARTS)
 
 
 def fixed(text: str) -> tuple[str, float]:
@@ -116,14 +167,80 @@ def named(pairs: list[tuple[str, Any]], option: str) -> dict[str, Any]:
 
 
 def sample_count(duration: float, rate: float) -> int:
-    """Samples from 0 to `duration` at `rate`, both ends included."""
+    """Samples from 0 to `duration` [s] at `rate` [Hz], both ends included.
+
+    Raises:
+        InputError: too few, or more than there is memory for.
+    """
     intervals = round(min(duration * rate, 2.0 * MOST_SAMPLES))
+    asked = min(duration * rate, 1e300) + 1.0
+    needed = asked * BYTES_PER_SAMPLE
     if not 1 <= intervals < MOST_SAMPLES:
+        taking = f", which would take {size(needed)} of memory" if intervals > 1 else ""
         raise InputError(
             f"Arguments --duration and --rate must give between 2 and {MOST_SAMPLES} samples, "
-            f"but {duration:g} s at {rate:g} Hz give {duration * rate + 1:.3g}."
+            f"but {duration:g} s at {rate:g} Hz give {asked:.3g}{taking}."
+        )
+    if duration > LONGEST_RUN:
+        raise InputError(
+            f"Argument --duration must be at most {LONGEST_RUN:g} s, but is {duration:g}."
+        )
+    there = memory()
+    if there is not None and needed > there:
+        raise InputError(
+            f"Arguments --duration and --rate give {intervals + 1} samples, which take about "
+            f"{size(needed)} of memory, but this machine has {size(there)}; ask for fewer."
         )
     return intervals + 1
+
+
+def memory() -> float | None:
+    """Memory of this machine [bytes]; None where the system does not say."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):
+        return None
+
+
+def size(count: float) -> str:
+    """Bytes in words: 1.2 GB."""
+    for unit, power in (("EB", 18), ("PB", 15), ("TB", 12), ("GB", 9)):
+        if count >= 10.0**power:
+            return f"{count / 10.0**power:.3g} {unit}"
+    return f"{count / 1e6:.3g} MB"
+
+
+def check_parameters(
+    campaign: "Campaign",
+    fix: Mapping[str, float],
+    bound: Mapping[str, tuple[float, float]] | None = None,
+) -> None:
+    """Sees that --fix and --bound are within what a rig of this campaign can have.
+
+    Without JAX, which takes longer to load than a mistyped number should.
+
+    Raises:
+        InputError: in one sentence, which is not.
+    """
+    from tp_jax.model.plausible import check_values
+
+    check_values(fix, bound, campaign.B1)
+
+
+def check_profiles(wanted: Sequence[str], fix: Mapping[str, float]) -> None:
+    """Sees that --profile names parameters that are fitted.
+
+    Raises:
+        InputError: which is none.
+    """
+    from tp_jax.model.plausible import check_names
+
+    if tuple(wanted) == ("all",):
+        return
+    check_names(wanted)
+    for name in wanted:
+        if name in fix:
+            raise InputError(f"Argument --profile names {name}, which --fix holds.")
 
 
 # Arguments shared by commands ----------------------------------------------------------------
@@ -167,7 +284,7 @@ def add_campaign(parser: argparse.ArgumentParser, *, default: str | None = None)
     drive.add_argument(
         "--omega",
         metavar="W",
-        type=non_negative,
+        type=frequency,
         help="the one recording was driven at W rad/s",
     )
     drive.add_argument(

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from tp_jax.cli.arguments import add_campaign, add_common, add_json, add_seed, load
+from tp_jax.cli.output import plain, ready, replaced, write_json
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "case-02"
 
@@ -35,15 +36,13 @@ def default_folder(name: str) -> Path:
 
 def run(args: argparse.Namespace) -> None:
     campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
-
-    import tp_jax as tp
-    from tp_jax._config import enable_compilation_cache
-    from tp_jax.cli.output import plain, ready, replaced, write_json
-    from tp_jax.cli.progress import shown
-
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
     report = folder / "report.html"
     ready(report, args.json)
+
+    import tp_jax as tp
+    from tp_jax._config import enable_compilation_cache
+    from tp_jax.cli.progress import shown
 
     enable_compilation_cache()
     with shown(quiet=args.quiet) as progress:

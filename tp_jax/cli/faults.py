@@ -1,9 +1,17 @@
 """What the user is told when a command fails, and the exit code."""
 
+import errno
 import sys
 import traceback
 
 from tp_jax.errors import InputError
+
+OF_THE_SYSTEM = {
+    getattr(errno, name)
+    for name in ("ENAMETOOLONG", "ELOOP", "ENOSPC", "EDQUOT", "EROFS", "EFBIG")
+    if hasattr(errno, name)
+}
+"""What a file system may refuse anywhere, and nobody but the user can mend."""
 
 
 def explain(fault: Exception, *, debug: bool) -> int:
@@ -16,6 +24,11 @@ def explain(fault: Exception, *, debug: bool) -> int:
         traceback.print_exception(fault)
     if isinstance(fault, InputError):  # CampaignError is one
         print(f"tp-jax: {_one_line(str(fault))}", file=sys.stderr)
+        return 2
+    if isinstance(fault, OSError) and fault.errno in OF_THE_SYSTEM:
+        name = str(fault.filename or "")
+        name = f" {name[:60]}..." if len(name) > 120 else f" {name}" if name else ""
+        print(f"tp-jax: Cannot use the file{name}: {fault.strerror}.", file=sys.stderr)
         return 2
     what = _one_line(f"{type(fault).__name__}: {fault}").rstrip(".: ")
     hint = "" if debug else "; rerun with --debug for the traceback"

@@ -11,12 +11,15 @@ from tp_jax.cli.arguments import (
     add_json,
     add_seed,
     bounded,
+    check_parameters,
     count,
     fixed,
     load,
     named,
+    starts,
 )
 from tp_jax.cli.diagnose import default_folder
+from tp_jax.cli.output import ready, write_json
 
 if TYPE_CHECKING:
     from tp_jax.estimation.identification import Identification
@@ -68,7 +71,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         default="data",
         help="where its level in each channel is taken from (default data)",
     )
-    parser.add_argument("--starts", metavar="N", type=count, help="number of starts")
+    parser.add_argument("--starts", metavar="N", type=starts, help="number of starts")
     parser.add_argument(
         "--sampling",
         choices=SAMPLINGS,
@@ -118,19 +121,20 @@ def folder_of(args: argparse.Namespace, name: str) -> Path:
 
 def run(args: argparse.Namespace) -> None:
     fix, bound = named(args.fix, "--fix"), named(args.bound, "--bound")
+    ready(args.json)  # told before the work rather than after it
     campaign = load(args, args.campaign)
-
-    import tp_jax as tp
-    from tp_jax._config import enable_compilation_cache
-    from tp_jax.cli.output import ready, write_json
-    from tp_jax.cli.progress import shown
-
+    check_parameters(campaign, fix, bound)
     folder = folder_of(args, campaign.name)
     options = _options(args)
     if "checkpoint" in options:
         options["checkpoint"] = folder / STARTS
     figures = _figures() if args.out is not None else None
-    ready(args.json, None if args.out is None else folder / STARTS)
+    ready(None if args.out is None else folder / STARTS)
+
+    import tp_jax as tp
+    from tp_jax._config import enable_compilation_cache
+    from tp_jax.cli.progress import shown
+
     enable_compilation_cache()
     with shown(quiet=args.quiet) as progress:
         result = tp.identify(

@@ -49,22 +49,50 @@ def made_folder(target: str | Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as fault:
-        raise InputError(f"Cannot make the folder {target}: {fault.strerror}.") from fault
+        raise InputError(
+            f"Cannot make the folder {shortened(target)}: {fault.strerror}."
+        ) from fault
     return folder
 
 
 def ready(*targets: str | Path | None) -> None:
-    """Sees before the work that its results can be written; None and `-` always can."""
+    """Sees before the work that its results can be written; None and `-` always can.
+
+    Raises:
+        InputError: which cannot, and why.
+    """
     for target in targets:
         if target is None or str(target) == STANDARD_OUTPUT:
             continue
         path = Path(os.path.realpath(target))
-        if path.is_dir():
-            raise InputError(f"Cannot write {target}: it is a folder.")
-        folder = made_folder(path.parent)
-        there = path.exists() and not path.is_file()  # /dev/null is written to in its place
-        if not os.access(path if there else folder, os.W_OK):
-            raise InputError(f"Cannot write {target}: permission denied.")
+        try:
+            _try(target, path)
+        except InputError:
+            raise
+        except OSError as fault:
+            reason = (fault.strerror or str(fault)).lower()
+            raise InputError(f"Cannot write {shortened(target)}: {reason}.") from fault
+        except ValueError as fault:  # a null byte
+            raise InputError(f"Cannot write {shortened(target)}: {fault}.") from fault
+
+
+def _try(target: str | Path, path: Path) -> None:
+    if path.is_dir():
+        raise InputError(f"Cannot write {target}: it is a folder.")
+    folder = made_folder(path.parent)
+    there = path.exists() and not path.is_file()  # /dev/null is written to in its place
+    if not os.access(path if there else folder, os.W_OK):
+        raise InputError(f"Cannot write {target}: permission denied.")
+    if not there:
+        # permissions do not tell all: a file system may be one in which nothing can be made
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+
+
+def shortened(target: str | Path) -> str:
+    """A path as it can stand in a sentence."""
+    text = str(target)
+    return text if len(text) <= 120 else f"{text[:60]}...{text[-40:]}"
 
 
 def write_text(target: str | Path, text: str) -> None:

@@ -1,14 +1,10 @@
 """tp-jax predict: what a run never seen will look like, by a diagnosis's model."""
 
 import argparse
-import json
-from pathlib import Path
-from typing import Any
 
-from tp_jax.cli.arguments import add_common, non_negative, number, positive, sample_count
+from tp_jax.cli.arguments import add_common, angle, frequency, positive, sample_count
+from tp_jax.cli.output import ready, write_trajectory
 from tp_jax.errors import InputError
-
-SCHEMA = "tp-jax/diagnosis/1"
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -19,11 +15,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("diagnosis", metavar="DIAGNOSIS.json", help="written by tp-jax diagnose")
     run_of = parser.add_mutually_exclusive_group(required=True)
+    run_of.add_argument("--omega", metavar="W", type=frequency, help="driven at W rad/s, from rest")
     run_of.add_argument(
-        "--omega", metavar="W", type=non_negative, help="driven at W rad/s, from rest"
-    )
-    run_of.add_argument(
-        "--phi1", metavar="X", type=number, help="released at X rad with the motor at rest"
+        "--phi1", metavar="X", type=angle, help="released at X rad with the motor at rest"
     )
     run_of.add_argument(
         "--recording",
@@ -42,21 +36,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.set_defaults(run=run)
 
 
-def read_diagnosis(path: str) -> dict[str, Any]:
-    """A diagnosis.json, checked as far as a prediction needs it."""
-    try:
-        diagnosis = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as fault:
-        raise InputError(f"Cannot read {path}: {fault.strerror or fault}.") from fault
-    except ValueError as fault:
-        raise InputError(f"{path} is not JSON: {fault}.") from fault
-    if not isinstance(diagnosis, dict) or diagnosis.get("schema") != SCHEMA:
-        raise InputError(f'{path} is not a diagnosis: it lacks "schema": "{SCHEMA}".')
-    if not isinstance(diagnosis.get("fits"), dict):
-        raise InputError(f'{path} lacks "fits", which predictions are made from.')
-    return diagnosis
-
-
 def run(args: argparse.Namespace) -> None:
     if args.recording is None:
         for name in ("duration", "rate"):
@@ -64,13 +43,17 @@ def run(args: argparse.Namespace) -> None:
                 raise InputError(f"Argument --{name} is needed unless --recording is given.")
     if args.duration is not None and args.rate is not None:
         sample_count(args.duration, args.rate)
+    ready(args.out)
+
+    from tp_jax.schemas.diagnosis import read_diagnosis
+
     diagnosis = read_diagnosis(args.diagnosis)
+    if args.recording is not None:
+        _check_length(args)
 
     import tp_jax as tp
     from tp_jax._config import enable_compilation_cache
-    from tp_jax.cli.output import ready, write_trajectory
 
-    ready(args.out)
     enable_compilation_cache()
     trajectory = tp.predict(
         diagnosis,
@@ -84,3 +67,17 @@ def run(args: argparse.Namespace) -> None:
     write_trajectory(args.out, trajectory)
     if args.out not in (None, "-") and not args.quiet:
         print(f"Wrote {args.out}")
+
+
+def _check_length(args: argparse.Namespace) -> None:
+    """Sees that what is not given, and taken from the recording, makes a run that can be had."""
+    if args.duration is None and args.rate is None:
+        return
+
+    import numpy as np
+
+    from tp_jax.recordings.lookup import recording_of
+
+    data = recording_of(args.recording)
+    own = 1.0 / float(np.median(np.diff(data.t)))
+    sample_count(args.duration or data.duration, args.rate or own)

@@ -10,7 +10,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tp_jax.cli.arguments import add_common, add_json, count, number, positive
+from tp_jax.cli.arguments import (
+    LARGEST_ANGLE,
+    add_common,
+    add_json,
+    angle,
+    frequency_above_zero,
+    positive,
+    seconds,
+    up_to,
+    whole,
+)
 from tp_jax.cli.rig import add_rig, rig_arguments
 from tp_jax.errors import InputError
 
@@ -21,6 +31,16 @@ EMULATOR = "emulator"
 
 WORTH_TELLING = 1e-4
 """Standard error of a clock's skew above which a short recording says nothing of it."""
+
+FASTEST_BAUD = 100_000_000
+"""Bits a second beyond those of any serial line."""
+
+LONGEST_WAIT = 86400.0  # s, a day
+
+
+def baud(text: str) -> int:
+    """Bits a second."""
+    return whole(text, least=1, most=FASTEST_BAUD)
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -38,7 +58,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help=f"/dev/ttyACM0, COM3, ...; {EMULATOR}: the virtual rig",
     )
     parser.add_argument(
-        "--duration", metavar="S", type=positive, required=True, help="seconds of the run"
+        "--duration", metavar="S", type=seconds, required=True, help="seconds of the run"
     )
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("--out", metavar="FILE.csv", help="the file to write, never over another")
@@ -47,23 +67,28 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="or a campaign's folder: a new file there, and its entry in campaign.toml",
     )  # fmt: skip
     run = parser.add_mutually_exclusive_group()
-    run.add_argument("--omega", metavar="W", type=positive, help="drive it at W rad/s")
+    run.add_argument("--omega", metavar="W", type=frequency_above_zero, help="drive it at W rad/s")
     run.add_argument(
-        "--release", metavar="X", type=number, help="let it go at X rad, the motor at neutral"
+        "--release", metavar="X", type=angle, help="let it go at X rad, the motor at neutral"
     )
-    parser.add_argument("--amplitude", metavar="A", type=positive, help="of the drive, rad")
     parser.add_argument(
-        "--baud", metavar="N", type=count, default=460800, help="bits a second (460800)"
+        "--amplitude",
+        metavar="A",
+        type=up_to(positive, LARGEST_ANGLE, "rad"),
+        help="of the drive, rad",
+    )
+    parser.add_argument(
+        "--baud", metavar="N", type=baud, default=460800, help="bits a second (460800)"
     )
     parser.add_argument(
         "--calibration", metavar="FILE", help="a TOML file; default: what the rig announces"
     )
     parser.add_argument(
-        "--patience", metavar="S", type=positive, default=5.0,
+        "--patience", metavar="S", type=up_to(positive, LONGEST_WAIT, "s"), default=5.0,
         help="seconds to wait for an answer of the rig, or for samples (5)",
     )  # fmt: skip
     parser.add_argument(
-        "--reconnect", metavar="S", type=positive, default=30.0,
+        "--reconnect", metavar="S", type=up_to(positive, LONGEST_WAIT, "s"), default=30.0,
         help="seconds to wait for a rig that was unplugged (30)",
     )  # fmt: skip
     add_rig(parser)

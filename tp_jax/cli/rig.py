@@ -3,11 +3,28 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from tp_jax.cli.arguments import add_common, add_seed, named, non_negative, number, positive
+from tp_jax.cli.arguments import (
+    LARGEST_ANGLE,
+    LONGEST_RUN,
+    add_common,
+    add_seed,
+    angle,
+    frequency_above_zero,
+    named,
+    non_negative,
+    number,
+    positive,
+    seconds,
+    up_to,
+)
 from tp_jax.errors import InputError
 
 if TYPE_CHECKING:
     from tp_jax.rig.serve import Emulator
+
+FASTEST_RATE = 100_000.0  # Hz; the simulator takes a step for every sample
+LARGEST_SKEW = 1e5  # parts per million
+FASTEST_SPEED = 1e6
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -28,8 +45,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--text", action="store_true", help="send lines of `t phi1 phi2` instead of frames"
     )
     run = serve.add_mutually_exclusive_group()
-    run.add_argument("--omega", metavar="W", type=positive, help="drive of a text stream, rad/s")
-    run.add_argument("--release", metavar="X", type=number, help="or angle let go from, rad")
+    run.add_argument(
+        "--omega", metavar="W", type=frequency_above_zero, help="drive of a text stream, rad/s"
+    )
+    run.add_argument("--release", metavar="X", type=angle, help="or angle let go from, rad")
     serve.add_argument(
         "--until-stdin-closes", action="store_true", help="end with the program that started it"
     )
@@ -50,19 +69,27 @@ def add_rig(parser: argparse.ArgumentParser) -> None:
     )
     add_seed(group)  # type: ignore[arg-type]
     group.add_argument(
-        "--rate", metavar="HZ", type=positive, default=1000.0, help="samples a second (1000)"
+        "--rate",
+        metavar="HZ",
+        type=up_to(positive, FASTEST_RATE, "Hz"),
+        default=1000.0,
+        help="samples a second (1000)",
     )
     group.add_argument(
         "--speed", metavar="X", type=speed, default=1.0,
         help="times real time (1); max: as fast as it is read",
     )  # fmt: skip
     group.add_argument(
-        "--noise", metavar="RAD", type=non_negative, default=1e-3, help="of the sensors (0.001)"
+        "--noise",
+        metavar="RAD",
+        type=up_to(non_negative, LARGEST_ANGLE, "rad"),
+        default=1e-3,
+        help="of the sensors (0.001)",
     )
     group.add_argument(
         "--skew",
         metavar="PPM",
-        type=number,
+        type=up_to(number, LARGEST_SKEW, "parts per million"),
         default=0.0,
         help="parts per million its clock is fast",
     )
@@ -78,7 +105,7 @@ def add_rig(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--run-duration",
         metavar="S",
-        type=positive,
+        type=seconds,
         help="seconds over which hidden drifts run their course",
     )
 
@@ -98,7 +125,7 @@ def effect(text: str) -> tuple[str, tuple[float, ...]]:
 
 def speed(text: str) -> float | None:
     """A number above zero, or max: None."""
-    return None if text == "max" else positive(text)
+    return None if text == "max" else up_to(positive, FASTEST_SPEED, "times real time")(text)
 
 
 def fraction(text: str) -> float:
@@ -114,7 +141,7 @@ def outage(text: str) -> tuple[float, float]:
     at, colon, duration = text.partition(":")
     if not colon:
         raise argparse.ArgumentTypeError(f"must have the form AT:FOR, but is {text!r}")
-    return non_negative(at), positive(duration)
+    return up_to(non_negative, LONGEST_RUN, "s")(at), seconds(duration)
 
 
 def rig_arguments(args: argparse.Namespace) -> list[str]:

@@ -7,14 +7,21 @@ from tp_jax.cli.arguments import (
     add_common,
     add_json,
     add_seed,
-    count,
+    check_parameters,
+    check_profiles,
     fixed,
     load,
     named,
     number,
+    whole,
 )
+from tp_jax.cli.output import made_folder, plain, ready, write_json
 
 MODELS = ("newton", "paper")
+MOST_SPREAD = 100.0
+"""As in `tp_jax.model.plausible`, which would bring NumPy; a test holds the two together."""
+
+MOST_SAMPLES = 2**16
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -44,13 +51,13 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--spread",
         metavar="F",
-        type=number,
+        type=spread,
         help="global indices: parameters from the fit's value over F to it times F (default 1.25)",
     )
     parser.add_argument(
         "--samples",
         metavar="N",
-        type=count,
+        type=power_of_two,
         help="points of the Sobol' sequence, a power of two (default 256)",
     )
     parser.add_argument(
@@ -67,16 +74,35 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.set_defaults(run=run)
 
 
+def spread(text: str) -> float:
+    """A factor above 1."""
+    value = number(text)
+    if not 1.0 < value <= MOST_SPREAD:
+        raise argparse.ArgumentTypeError(
+            f"must be a factor above 1 and at most {MOST_SPREAD:g}, but is {text}"
+        )
+    return value
+
+
+def power_of_two(text: str) -> int:
+    """A power of two from 2 to `MOST_SAMPLES`."""
+    value = whole(text, least=2, most=MOST_SAMPLES)
+    if value & (value - 1):
+        raise argparse.ArgumentTypeError(f"must be a power of two, but is {value}")
+    return value
+
+
 def run(args: argparse.Namespace) -> None:
     fix = named(args.fix, "--fix")
+    check_profiles(args.profile, fix)
+    ready(args.json)
     campaign = load(args, args.campaign)
+    check_parameters(campaign, fix)
 
     import tp_jax as tp
     from tp_jax._config import enable_compilation_cache
-    from tp_jax.cli.output import made_folder, plain, ready, write_json
     from tp_jax.cli.progress import shown
 
-    ready(args.json)
     if args.out is not None:
         from tp_jax.report.sensitivity.files import needed
 

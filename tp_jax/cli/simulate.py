@@ -3,6 +3,8 @@
 import argparse
 
 from tp_jax.cli.arguments import add_common, positive, sample_count
+from tp_jax.cli.output import ready, replaced, write_trajectory
+from tp_jax.errors import InputError
 
 PRESETS = ("paper-5.1", "paper-5.1-start", "bench")
 """As in `tp_jax.model.presets`, which would bring JAX with it; a test holds the two together."""
@@ -31,17 +33,22 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(args: argparse.Namespace) -> None:
     samples = sample_count(args.duration, args.rate)
+    ready(args.out, args.plot)
 
     import numpy as np
 
     import tp_jax as tp
     from tp_jax._config import enable_compilation_cache
-    from tp_jax.cli.output import ready, replaced, write_trajectory
 
-    ready(args.out, args.plot)
     enable_compilation_cache()
     times = np.linspace(0.0, args.duration, samples)
     trajectory = tp.simulate(tp.presets.get(args.preset), times)
+
+    if not np.isfinite(trajectory.phi1).all():
+        raise InputError(
+            f"A run of {args.duration:g} s takes more steps than the solver may; ask for a shorter "
+            "--duration."
+        )
 
     if args.plot is not None:
         from tp_jax.report.trajectory import plot_trajectory

@@ -4,8 +4,10 @@ import functools
 import importlib
 import importlib.metadata
 import pkgutil
+import warnings
 
 from tp_jax.effects.base import CHANNELS, HOOKS, Effect
+from tp_jax.errors import Notice
 
 _PLAIN = {"base", "registry"}
 _registered: dict[str, Effect] = {}
@@ -24,9 +26,33 @@ def _built_in() -> dict[str, Effect]:
             if own and issubclass(value, Effect) and value.id:
                 found[value.id] = _checked(value())
     for entry in importlib.metadata.entry_points(group="tp_jax.effects"):
-        effect = entry.load()()
-        found[effect.id] = _checked(effect)
+        try:
+            effect = _plugged_in(entry)
+            if effect.id in found:
+                raise ValueError(f"there is an effect {effect.id!r} already")
+        except (Exception, SystemExit) as fault:  # whatever somebody else's module may raise
+            warnings.warn(_left_out(entry, fault), Notice, stacklevel=2)
+            continue
+        found[effect.id] = effect
     return found
+
+
+def _plugged_in(entry: importlib.metadata.EntryPoint) -> Effect:
+    """The effect of an installed package.
+
+    Raises:
+        Exception: anything, since it is another's code that runs.
+    """
+    made = entry.load()()
+    if not isinstance(made, Effect):
+        raise TypeError(f"{entry.value} makes no tp_jax.effects.Effect, but {type(made).__name__}")
+    return _checked(made)
+
+
+def _left_out(entry: importlib.metadata.EntryPoint, fault: BaseException) -> str:
+    package = f" of {entry.dist.name}" if entry.dist is not None else ""
+    why = " ".join(f"{type(fault).__name__}: {fault}".split()).rstrip(".: ")
+    return f"The effect plug-in {entry.name}{package} is left out ({why}); mend or uninstall it."
 
 
 def _checked(effect: Effect) -> Effect:

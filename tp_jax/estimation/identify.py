@@ -29,7 +29,7 @@ from tp_jax.estimation.robust import LOSSES, Loss
 from tp_jax.estimation.starts import Sampling
 from tp_jax.estimation.starts import starts as made_starts
 from tp_jax.estimation.success import success
-from tp_jax.model.parameters import BASE
+from tp_jax.model.plausible import check_values
 from tp_jax.recordings import Campaign
 
 SCHEMA = "tp-jax/identify/1"
@@ -89,7 +89,7 @@ def identify(
     begin = time.perf_counter()
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
     aim = objective or methods.usual_objective(method)
-    _check(fix or {}, bound or {}, starts, loss, noise)
+    _check(fix or {}, bound or {}, campaign.B1, starts, loss, noise)
     methods.check(method, aim)
     setting = prepare_campaign(
         campaign, model=model, fix=dict(fix or {}), bound=dict(bound or {}), effects=()
@@ -193,22 +193,10 @@ def _checkpoint(
     return kept
 
 
-def _check(fix: Mapping, bound: Mapping, starts: int, loss: str, noise: str) -> None:
-    specs = {p.name: p for p in BASE}
-    for name in (*fix, *bound):
-        if name not in specs:
-            raise InputError(f"There is no parameter {name!r}, choose one of: {', '.join(specs)}.")
-    for name, value in fix.items():
-        if name in bound:
-            raise InputError(f"Parameter {name} is fixed and bounded; one of the two must go.")
-        if value < 0.0 or (value == 0.0 and specs[name].transform == "log"):
-            least = "above zero" if specs[name].transform == "log" else "zero or more"
-            raise InputError(f"Parameter {name} must be {least}, but is fixed at {value:g}.")
-    for name, (low, high) in bound.items():
-        if not low < high:
-            raise InputError(f"The bounds of {name} must rise, but are {low:g} and {high:g}.")
-        if low < 0.0:
-            raise InputError(f"Parameter {name} must not be negative, but its bound is {low:g}.")
+def _check(
+    fix: Mapping, bound: Mapping, B1: float | None, starts: int, loss: str, noise: str
+) -> None:
+    check_values(fix, bound, B1)
     if starts < 1:
         raise InputError(f"There must be one start or more, but {starts} were asked for.")
     if loss not in LOSSES:

@@ -1,15 +1,21 @@
 """Free-run prediction of a run never seen, from a diagnosis."""
 
+import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tp_jax.effects import catalogue
 from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import drive_for, pendulum
-from tp_jax.model.pendulum import SingleTorsionPendulum
-from tp_jax.recordings import load_campaign, local_polynomial
+from tp_jax.estimation.layout import SENSORS
+from tp_jax.model.parameters import BY_NAME
+from tp_jax.model.pendulum import AbstractTorsionPendulum, SingleTorsionPendulum
+from tp_jax.model.plausible import span
+from tp_jax.recordings import local_polynomial
+from tp_jax.recordings.lookup import recording_of
 from tp_jax.simulation.solve import Trajectory, simulate
 
 
@@ -57,6 +63,8 @@ def predict(
         ) from None
     if record is None:
         raise InputError("The diagnosis accepted no cause, so that it has only a model 'before'.")
+    _check_parameters(record["parameters"])
+    _check_effects(record)
     if recording is not None:
         return _of_recording(diagnosis, record, Path(recording), duration, rate)
     if duration is None or rate is None:
@@ -75,30 +83,74 @@ def predict(
     return readings_of(m, t, x0)
 
 
+def _check_parameters(parameters: Mapping[str, float]) -> None:
+    """Sees that a pendulum can have these numbers: with others a run may be finite and nonsense."""
+    for name, value in parameters.items():
+        if name not in BY_NAME:
+            continue
+        low, high = span(BY_NAME[name], parameters["B1"])
+        # no drive that was commanded is an amplitude of zero; zero may be missed by rounding
+        least = low if BY_NAME[name].transform == "log" and name != "A" else -1e-9 * high
+        if not least <= value <= high:
+            raise InputError(
+                f"The diagnosis gives {name} as {value:g} {BY_NAME[name].unit}, but it must lie "
+                f"between {low:g} and {high:g}."
+            )
+
+
+def _check_effects(record: Mapping[str, Any]) -> None:
+    """Sees that the catalogue has the causes of a fit, and the fit all their numbers."""
+    known = catalogue()
+    for id, numbers in record["effects"].items():
+        if id not in known:
+            raise InputError(
+                f"The diagnosis names the effect {id!r}, which is not in the catalogue; install "
+                "or register it first."
+            )
+        wanted = {x.name for x in (*known[id].amplitudes, *known[id].shapes)}
+        if set(numbers) != wanted:
+            raise InputError(
+                f"The diagnosis must give {id} the numbers {', '.join(sorted(wanted))}, but gives "
+                f"it {', '.join(sorted(map(str, numbers))) or 'none'}."
+            )
+
+
 def times(start: float, duration: float, rate: float) -> np.ndarray:
     """Sample times with both ends included."""
     n = round(duration * rate)
     return start + np.arange(n + 1) / rate
 
 
-def readings_of(model, t: np.ndarray, x0: np.ndarray) -> Trajectory:
-    """A simulated motion with the sensors' readings in place of the angles."""
-    motion = simulate(model, t, x0)
+def readings_of(model: AbstractTorsionPendulum, t: np.ndarray, x0: np.ndarray) -> Trajectory:
+    """A simulated motion with the sensors' readings in place of the angles.
+
+    Args:
+        model: with all effects.
+        t: times [s].
+        x0: (4,) angles [rad] and velocities [rad/s] at the first. What effects remember begins at
+            rest, as in the diagnosis' own free runs.
+
+    Raises:
+        InputError: the motion cannot be integrated to its end.
+    """
+    own = np.zeros(model.n_states - x0.size)
+    motion = simulate(model, t, np.concatenate([x0, own]))
     states = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
-    y1, y2 = model.readings(motion.t, states)
+    # What acts on the motion has done so; the states of its own are not in the trajectory.
+    sensing = tuple(term for term in model.terms if term.hook in SENSORS)
+    y1, y2 = dataclasses.replace(model, terms=sensing).readings(motion.t, states)
+    if not np.isfinite([*states, y1, y2]).all():
+        raise InputError(
+            "The model of this diagnosis cannot be integrated to the end of the run; check the "
+            "numbers under fits, or ask for a shorter run."
+        )
     single = isinstance(model, SingleTorsionPendulum)
     return motion._replace(phi1=y1, phi2=None if single else y2)
 
 
 def _of_recording(diagnosis, record, file: Path, duration, rate) -> Trajectory:
     """Drive and start of a campaign's file; a held-out span of it before a fitted one."""
-    if not file.is_file():
-        raise InputError(f"{file} is no file; name a data file that lies beside a campaign.toml.")
-    campaign = load_campaign(file.parent)
-    spans = [r for r in campaign.recordings if r.file.resolve() == file.resolve()]
-    if not spans:
-        raise InputError(f"{file.parent / 'campaign.toml'} has no recording {file.name}; add it.")
-    data = next((r for r in spans if r.held_out), spans[0])
+    data = recording_of(file)
     t = data.t
     if duration is not None or rate is not None:
         length = duration if duration is not None else data.duration
@@ -118,8 +170,9 @@ def _start(diagnosis, record, data) -> np.ndarray:
     """State at the start: as the diagnosis estimated it, or smoothed from the first samples."""
     which = "after" if record is not diagnosis["fits"].get("before") else "before"
     for r in diagnosis.get("recordings") or []:
-        if r["label"] == data.label and r["sha256"] == data.sha256 and r["start"].get(which):
-            return np.asarray(r["start"][which], dtype=float)
+        start = (r.get("start") or {}).get(which)
+        if start and r.get("label") == data.label and r.get("sha256") == data.sha256:
+            return np.asarray(start, dtype=float)
     x0, zeros = np.zeros(4), record["nuisances"]
     zero2 = zeros["zero2"]
     own = zero2.get(data.label, float(np.mean(list(zero2.values()))))

@@ -19,6 +19,7 @@ from tp_jax.identifiability.null_directions import Direction
 from tp_jax.identifiability.profile_likelihood import Profile, profiles
 from tp_jax.identifiability.rank import POINTS, rank
 from tp_jax.model.parameters import BY_NAME
+from tp_jax.model.plausible import MOST_SPREAD, check_names, check_values
 from tp_jax.recordings import Campaign
 from tp_jax.sensitivity_analysis import record
 from tp_jax.sensitivity_analysis.local import local
@@ -89,7 +90,7 @@ def sensitivity(
     """
     begin = time.perf_counter()
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
-    _check(fix or {}, spread, samples, trajectories, points)
+    _check(fix or {}, campaign.B1, profile, spread, samples, trajectories, points)
     setting = prepare_campaign(campaign, model=model, fix=dict(fix or {}), effects=())
     fit = sharpened(
         setting, grow(setting, initial_values(setting), setting.unknowns(), progress=report)
@@ -146,15 +147,19 @@ def sensitivity(
 
 
 def _check(
-    fix: Mapping[str, float], spread: float, samples: int, trajectories: int, points: int
-) -> None:
-    for name in fix:
-        if name not in UNKNOWNS:
-            raise InputError(
-                f"There is no parameter {name!r}, choose one of: {', '.join(UNKNOWNS)}."
-            )
-    if not spread > 1.0:
-        raise InputError(f"The spread must be a factor above 1, but is {spread:g}.")
+    fix: Mapping[str, float], B1: float | None, profile: Sequence[str], spread: float, samples: int,
+    trajectories: int, points: int,
+) -> None:  # fmt: skip
+    check_values(fix, None, B1)
+    if tuple(profile) != ("all",):
+        check_names(profile)
+    for name in profile:
+        if name in fix:
+            raise InputError(f"Parameter {name} is fixed, so that it has no likelihood profile.")
+    if not 1.0 < spread <= MOST_SPREAD:
+        raise InputError(
+            f"The spread must be a factor above 1 and at most {MOST_SPREAD:g}, but is {spread:g}."
+        )
     if samples < 2 or samples & (samples - 1):
         raise InputError(f"The samples must be a power of two, but are {samples}.")
     if trajectories < 2:

@@ -6,6 +6,7 @@ every time, and what JAX takes to trace that grows with the number of columns.)
 """
 
 from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,6 +14,18 @@ from jax.extend.core import Literal
 from jaxtyping import Array
 
 _ADDS = {"add_any", "add", "sub"}
+
+
+class _Program(NamedTuple):
+    """The parts of a jaxpr that are read here.
+
+    A view of our own, since what `Jaxpr.replace` lets one change differs between versions of JAX.
+    """
+
+    constvars: Sequence[Any]
+    invars: Sequence[Any]
+    outvars: Sequence[Any]
+    eqns: Sequence[Any]
 
 
 def columns(
@@ -89,9 +102,10 @@ def _called(inner, read, along) -> list[Array | None]:
     program = inner.jaxpr
     fixed = {v: x for v, x, t in zip(program.invars, read, along, strict=True) if not t}
     tangents = [(v, x) for v, x, t in zip(program.invars, read, along, strict=True) if t]
-    view = program.replace(
+    view = _Program(
         constvars=[*program.constvars, *fixed],
         invars=[v for v, _ in tangents],
-        debug_info=program.debug_info.with_unknown_names(),
+        outvars=program.outvars,
+        eqns=program.eqns,
     )
     return _along(view, [*inner.consts, *fixed.values()], [x for _, x in tangents])

@@ -93,6 +93,6 @@ def _array(given: Any) -> np.ndarray | None:
         return None
     try:
         array = np.asarray(given, dtype=float)  # null becomes NaN: a break in the curve
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
     return array if array.ndim == 1 and np.isfinite(array).any() else None

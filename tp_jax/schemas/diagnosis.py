@@ -1,0 +1,229 @@
+"""diagnosis.json, version 1: what a prediction or a report made from it rests on.
+
+What is not named here may be there and be anything. A report leaves out what is missing or null,
+so most of it may be; `fits`, from which predictions are made, has to be whole.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from tp_jax.errors import InputError
+from tp_jax.schemas.checking import check, read_json
+
+VERSION = "tp-jax/diagnosis/1"
+
+NUMBER = {"type": "number", "says": "a number"}
+NUMBER_OR_NULL = {"type": ["number", "null"], "says": "a number or null"}
+ABOVE_ZERO = {
+    "type": "number", "exclusiveMinimum": 0, "says": "a number above zero",
+}  # fmt: skip
+TEXT = {"type": ["string", "null"], "says": "a text or null"}
+NAME = {"type": "string", "says": "a text"}
+FLAG = {"type": ["boolean", "null"], "says": "true, false or null"}
+INTERVAL = {
+    "type": ["array", "null"], "items": NUMBER_OR_NULL, "minItems": 2, "maxItems": 2,
+    "says": "two numbers or null",
+}  # fmt: skip
+
+
+def table(fields: dict[str, Any] | None = None, required: tuple[str, ...] = (), **more: Any):
+    """A table that must be there; what is not among its fields may be anything."""
+    schema = {"type": "object", "properties": fields or {}, "required": list(required)}
+    return {**schema, "says": "a table", **more}
+
+
+def maybe(schema: dict[str, Any]) -> dict[str, Any]:
+    """The same, or null."""
+    return {**schema, "type": [schema["type"], "null"], "says": f"{schema['says']} or null"}
+
+
+def each(entry: dict[str, Any], says: str = "a table", **more: Any) -> dict[str, Any]:
+    """A table of any keys whose entries are all alike."""
+    return {"type": "object", "additionalProperties": entry, "says": says, **more}
+
+
+def listed(entry: dict[str, Any], says: str = "a list") -> dict[str, Any]:
+    """A list of entries that are alike, or null."""
+    return {"type": ["array", "null"], "items": entry, "says": f"{says} or null"}
+
+
+_COLUMN = ("B1", "k", "A", "c1", "M1")
+_RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
+
+#: One value, or one for each recording.
+AMPLITUDE = {
+    "type": ["number", "object"], "additionalProperties": NUMBER, "minProperties": 1,
+    "says": "a number, or a table of one for each recording",
+}  # fmt: skip
+
+FIT = table(
+    {
+        "kind": {"enum": ["single", "double"], "says": '"single" or "double"'},
+        "parameters": table(
+            {
+                **{n: NUMBER for n in (*_COLUMN, *_RIDER, "Ts2")},
+                **{n: ABOVE_ZERO for n in ("B1", "B2", "k", "T0")},
+            },
+            _COLUMN,
+        ),
+        "reaction": NUMBER,
+        "eps": ABOVE_ZERO,
+        "nuisances": table(
+            {
+                **{n: NUMBER for n in ("phase", "gain", "level", "zero1")},
+                "zero2": each(NUMBER, "a table of one number for each recording", minProperties=1),
+            },
+            ("phase", "gain", "level", "zero1", "zero2"),
+        ),
+        "drift": maybe(
+            each({**INTERVAL, "type": "array", "items": NUMBER, "says": "two numbers"}),
+        ),
+        "effects": each(each(AMPLITUDE)),
+    },
+    ("kind", "parameters", "reaction", "eps", "nuisances", "effects"),
+    # a rider has numbers of its own
+    **{
+        "if": {"properties": {"kind": {"const": "double"}}, "required": ["kind"]},
+        "then": {"properties": {"parameters": {"required": [*_RIDER, "Ts2"]}}},
+    },
+)
+
+_SIZES = maybe(each(maybe(table({"value": NUMBER_OR_NULL, "unit": TEXT, "ci95": INTERVAL}))))
+_ERRORS = maybe(table({"windowed": NUMBER_OR_NULL, "free_run": NUMBER_OR_NULL}))
+_STATE = {
+    "type": ["array", "null"], "items": NUMBER, "minItems": 4, "maxItems": 4,
+    "says": "four numbers or null",
+}  # fmt: skip
+
+SCHEMA: dict[str, Any] = {
+    "$schema": "https://json-schema.org/draft/2020-12/schema",
+    "title": VERSION,
+    **table(
+        {
+            "campaign": TEXT,
+            "model": TEXT,
+            "verdict": {
+                "enum": ["explained", "no_gap", "unknown", None],
+                "says": '"explained", "no_gap" or "unknown"',
+            },
+            "noise_floor": maybe(each(NUMBER_OR_NULL)),
+            "gap": maybe(
+                table(
+                    {
+                        "before": _ERRORS,
+                        "after": _ERRORS,
+                        "shrink": NUMBER_OR_NULL,
+                        "shrink_ci95": INTERVAL,
+                        "held_out": listed(NAME),
+                        "horizon_s": NUMBER_OR_NULL,
+                        "removable_significant": FLAG,
+                        "structure_p": NUMBER_OR_NULL,
+                        "structure_p_after": NUMBER_OR_NULL,
+                    }
+                )
+            ),
+            "where": listed(
+                table(
+                    {"location": NAME, "channel": TEXT, "share": NUMBER_OR_NULL, "when": TEXT},
+                    ("location",),
+                )
+            ),
+            "causes": listed(
+                table(
+                    {
+                        "effect": NAME,
+                        "location": TEXT,
+                        "channel": TEXT,
+                        "probability": NUMBER_OR_NULL,
+                        "shrink": NUMBER_OR_NULL,
+                        "parameters": _SIZES,
+                    },
+                    ("effect",),
+                )
+            ),
+            "candidates": listed(
+                table(
+                    {
+                        "effect": NAME,
+                        "location": TEXT,
+                        "channel": TEXT,
+                        "applicable": FLAG,
+                        "predicted_shrink": NUMBER_OR_NULL,
+                        "realised_shrink": NUMBER_OR_NULL,
+                        "probability": NUMBER_OR_NULL,
+                        "note": TEXT,
+                    },
+                    ("effect",),
+                )
+            ),
+            "confused_with": listed(
+                {"type": "array", "items": NAME, "says": "a list of effects"}, "a list of groups"
+            ),
+            "minimum_detectable": _SIZES,
+            "absorbed": maybe(
+                each(
+                    maybe(
+                        table(
+                            {
+                                "shift": NUMBER_OR_NULL,
+                                "in_standard_errors": NUMBER_OR_NULL,
+                                "unit": TEXT,
+                            }
+                        )
+                    )
+                )
+            ),
+            "fits": table({"before": FIT, "after": maybe(FIT)}, ("before", "after")),
+            "parameters": _SIZES,
+            "next_experiment": maybe(
+                table(
+                    {
+                        "omega": NUMBER_OR_NULL,
+                        "forced": FLAG,
+                        "separates": listed(NAME),
+                        "expected_sigma": NUMBER_OR_NULL,
+                    }
+                )
+            ),
+            "recordings": listed(
+                table(
+                    {
+                        "label": NAME,
+                        "file": TEXT,
+                        "sha256": TEXT,
+                        "held_out": FLAG,
+                        "forced": FLAG,
+                        "omega": NUMBER_OR_NULL,
+                        "start": maybe(table({"before": _STATE, "after": _STATE})),
+                    },
+                    ("label",),
+                )
+            ),
+            "curves": listed(table({"recording": TEXT})),
+            "residuals": listed(table({"recording": TEXT})),
+            "notes": listed(NAME, "a list of texts"),
+            "provenance": maybe(table({"version": TEXT, "seed": NUMBER_OR_NULL})),
+        },
+        ("fits",),
+    ),
+}
+
+
+def read_diagnosis(path: str | Path) -> dict[str, Any]:
+    """A diagnosis.json, checked.
+
+    Raises:
+        InputError: it cannot be read, is of another version, or a field is not what it must be;
+            the sentence names the field.
+    """
+    diagnosis = read_json(path)
+    version = diagnosis.get("schema") if isinstance(diagnosis, dict) else None
+    if version != VERSION:
+        if isinstance(version, str) and version.startswith("tp-jax/diagnosis/"):
+            raise InputError(
+                f"{path} is of the version {version[:60]}, but this program reads {VERSION}; "
+                "diagnose the campaign again."
+            )
+        raise InputError(f'{path} is not a diagnosis: it lacks "schema": "{VERSION}".')
+    check(diagnosis, SCHEMA, str(path))
+    return diagnosis
