@@ -34,12 +34,12 @@ def room(windows: Windows, least: int) -> int:
 class Linearisation:
     """Weighted residuals of all windows and their derivatives.
 
-    r: (w, m) residuals in units of the noise, padded with zeros; rows are samples x channels,
-    then four of the prior. Where the noise is coloured its correlation is taken out of r and of all
-    derivatives (`Colour.whiten`), and raw (w, m - 4) has the residuals before that. states_jac: (w, m, 4). slots_jac: (w, m, d), by slot in `slots` (the
-    same slot of different recordings is one column here). valid: (w, m) bool. states: (w, n, 4).
-    complete: (w,). own: (w, k) effects' own states at the windows' ends, where it was asked for no
-    slots.
+    r: (w, m) residuals in units of the noise, padded with zeros; rows are samples x channels, then
+    four of the prior. Where the noise is coloured its correlation is taken out of r and of all
+    derivatives (`Colour.whiten`), and raw (w, m - 4) has the residuals before that. states_jac:
+    (w, m, 4). slots_jac: (w, m, d), by slot in `slots` (the same slot of different recordings is
+    one column here). valid: (w, m) bool. states: (w, n, 4). complete: (w,). own: (w, k) effects'
+    own states at the windows' ends, where it was asked for no slots.
     """
 
     r: np.ndarray

@@ -5,9 +5,9 @@ Where the sampling is slow against the motion no band is left in which noise sta
 leaves is a function of the motion, the same in every period, and noise is not. So the residuals of
 every recording are freed of all that goes with its motion (harmonics of a commanded drive's phase,
 or polynomials of the states), window states included, and the colour of the rest is estimated by
-restricted maximum likelihood. Its level near the Nyquist frequency stays what high-order differences
-of the data see; a colour only says how much more there is below. A rest that no colour explains is
-no noise: the noise then stays white, and what there is counts as gap.
+restricted maximum likelihood. Its level near the Nyquist frequency stays what high-order
+differences of the data see; a colour only says how much more there is below. A rest that no colour
+explains is no noise: the noise then stays white, and what there is counts as gap.
 
 Source: Patterson, Thompson (1971), Biometrika 58, 545-554.
 """
@@ -89,9 +89,7 @@ def with_residual_noise(
 
 def without_residual_noise(setting: Setting) -> Setting:
     """A campaign with what its data alone say of its noise."""
-    colours = [
-        tuple(Colour() if c.of_residuals else c for c in p.colour) for p in setting.prepared
-    ]
+    colours = [tuple(Colour() if c.of_residuals else c for c in p.colour) for p in setting.prepared]
     if colours == [p.colour for p in setting.prepared]:
         return setting
     noise = dict(setting.noise)

@@ -22,12 +22,12 @@ from tp_jax.simulation.lanes import Tolerances
 class Traced(NamedTuple):
     """What `residuals` needs besides the unknowns; blocks are stacked along the first axis.
 
-    table: (P, R) all numbers; rows: (u,) slots of the unknowns; own: (u,) the recording of each,
-    -1 for all; place: (u,) of each among the directions; directions: (d,) slots; typical: (u,)
-    and logs, asinhs: (u,) 1.0 for those whose coordinate is a logarithm or an asinh, the coordinates; at: (u,)
-    coordinates of the reference; recording: (b, L); states: (b, n, 4, L) at windows' starts;
-    gain: (b, n, 4, L, u) how they follow; begin: (b, n, L) first sample of the window each sample
-    is of; anchors: (u,) centres and (u,) weights 1/sd, 0 for none.
+    table: (P, R) all numbers; rows: (u,) slots of the unknowns; own: (u,) the recording of each, -1
+    for all; place: (u,) of each among the directions; directions: (d,) slots; typical: (u,) and
+    logs, asinhs: (u,) 1.0 for those whose coordinate is a logarithm or an asinh, the coordinates;
+    at: (u,) coordinates of the reference; recording: (b, L); states: (b, n, 4, L) at windows'
+    starts; gain: (b, n, 4, L, u) how they follow; begin: (b, n, L) first sample of the window each
+    sample is of; anchors: (u,) centres and (u,) weights 1/sd, 0 for none.
     """
 
     table: Float[Array, "P R"]

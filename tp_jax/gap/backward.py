@@ -43,9 +43,7 @@ def pruned(setting: Setting, result: Refit, policy: BackwardPolicy) -> Refit:
     return result
 
 
-def replaced(
-    setting: Setting, result: Refit, seen: Screen, policy: BackwardPolicy
-) -> Refit:
+def replaced(setting: Setting, result: Refit, seen: Screen, policy: BackwardPolicy) -> Refit:
     """A refit in which a rival stands in the place of a cause where that does better.
 
     Args:

@@ -2,9 +2,9 @@
 
 Both models, with the cause and without, predict groups that neither was fitted to (`left_out`). A
 cause is confirmed where the sum of squares falls by more than a search among many effects finds by
-chance, where what some groups gain is not lost by others, and where over long windows the error does
-not grow. Sums of squares are divided by the misfit of the better model: one that is wrong everywhere
-is not certain of details.
+chance, where what some groups gain is not lost by others, and where over long windows the error
+does not grow. Sums of squares are divided by the misfit of the better model: one that is wrong
+everywhere is not certain of details.
 """
 
 import dataclasses

@@ -1,10 +1,10 @@
 """What a model predicts of motions that it was not fitted to.
 
 Groups of windows (whole recordings, or long spans where there are few) are left out in turn, all
-unknowns are fitted again without them, and the group is predicted: in the windows of the fit, and in
-longer ones, where an error of the model has time to grow. Only the windows' states are estimated
-there, and the zeros of that recording. What belongs to a recording that was left out is what the
-others have in common.
+unknowns are fitted again without them, and the group is predicted: in the windows of the fit, and
+in longer ones, where an error of the model has time to grow. Only the windows' states are
+estimated there, and the zeros of that recording. What belongs to a recording that was left out is
+what the others have in common.
 """
 
 import dataclasses
@@ -62,9 +62,7 @@ class LeftOut:
     unknowns: np.ndarray
 
 
-def left_out(
-    setting: Setting, result: Refit, group: np.ndarray, policy: ConfirmPolicy
-) -> LeftOut:
+def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: ConfirmPolicy) -> LeftOut:
     """Fits a model without each group and predicts the group.
 
     Args:
@@ -121,7 +119,7 @@ def _states_fitted(
         w = problem.windows
         # as long as the program at hand takes
         step = min(float(np.median(np.diff(whole.problem.prepared[r].t))) for r in w.recording)
-        most = (problem.capacity - 2) * step
+        most = 0.7 * problem.capacity * step  # a cut may be half as long again
         long = cut(list(whole.problem.prepared), min(factor * w.horizon, most))
         first = {r: int(w.first[w.recording == r].min()) for r in set(w.recording)}
         last = {r: int((w.first + w.count)[w.recording == r].max()) for r in set(w.recording)}
@@ -130,9 +128,7 @@ def _states_fitted(
             if r in first and long.first[i] < last[r] and long.first[i] + long.count[i] > first[r]
         ]  # fmt: skip
         begin = np.array([max(long.first[i], first[long.recording[i]]) for i in keep])
-        end = np.array(
-            [min(long.first[i] + long.count[i], last[long.recording[i]]) for i in keep]
-        )
+        end = np.array([min(long.first[i] + long.count[i], last[long.recording[i]]) for i in keep])
         enough = end - begin >= 8
         clipped = dataclasses.replace(
             long,

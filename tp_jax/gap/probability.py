@@ -1,11 +1,11 @@
 """Probabilities of causes, from what their models predict of groups that were left out.
 
-At every round of the choice the hypotheses are: nothing more, and each effect that was refitted; the
-others enter with what the screen predicts, charged for their unknowns. A hypothesis has the log
-predictive density of each group under a fit without it, divided by the misfit of the best model; its
-weight is the mean of its share over groups drawn anew with replacement (Bayesian bootstrap). So an
-effect that two recordings speak for and three against is not certain, however many samples they
-have, and effects that predict alike share what there is.
+At every round of the choice the hypotheses are: nothing more, and each effect that was refitted;
+the others enter with what the screen predicts, charged for their unknowns. A hypothesis has the
+log predictive density of each group under a fit without it, divided by the misfit of the best
+model; its weight is the mean of its share over groups drawn anew with replacement (Bayesian
+bootstrap). So an effect that two recordings speak for and three against is not certain, however
+many samples they have, and effects that predict alike share what there is.
 
 Source: Yao, Vehtari, Simpson, Gelman (2018), Bayesian Analysis 13, 917-1007 (pseudo-BMA+).
 """

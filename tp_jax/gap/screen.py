@@ -55,9 +55,10 @@ class Scored:
 class Screen:
     """All effects and grid points.
 
-    total: (E,) efficient scores, summed over windows; information: (E, E) over all their columns, efficient; information_by_block: (B, E, E) its
-    parts, which are the covariances of the blocks' scores where nothing but noise is in them; one
-    more if there is a calibration's error, for what that may do to their sum.
+    total: (E,) efficient scores, summed over windows; information: (E, E) over all their columns,
+    efficient; information_by_block: (B, E, E) its parts, which are the covariances of the blocks'
+    scores where nothing but noise is in them; one more if there is a calibration's error, for what
+    that may do to their sum.
     """
 
     scored: tuple[Scored, ...]

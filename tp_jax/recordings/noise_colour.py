@@ -1,10 +1,10 @@
 """The colour of the sensors' noise, from the recorded angles alone.
 
 A filter in a sensor, a tracker that averages over frames or a converter's supply leave noise whose
-neighbouring samples are correlated. Taken as white it makes every test of structure, every interval
-and every probability too sure. Noise and motion are told apart by frequency: far above the motion,
-what is left of its spectrum falls at least as fast as f^-6 (friction lets the acceleration jump, and
-nothing less smooth is in a motion), where noise of a first-order filter falls as f^-2. So
+neighbouring samples are correlated. Taken as white it makes every test of structure, every
+interval and every probability too sure. Noise and motion are told apart by frequency: far above the
+motion, what is left of its spectrum falls at least as fast as f^-6 (friction lets the acceleration
+jump, and nothing less smooth is in a motion), where noise of a first-order filter falls as f^-2. So
 
     S(f) = c f^-6 + w + a / |1 - rho exp(-2 pi i f dt)|^2,   c, w, a >= 0, 0 <= rho < 1,
 
@@ -106,7 +106,8 @@ class Colour:
         Exact for an autoregression: the first p rows are decorrelated by their own covariance.
 
         Args:
-            x: (n, ...) consecutive samples of a stretch, in units of the noise's standard deviation.
+            x: (n, ...) consecutive samples of a stretch, in units of the noise's standard
+                deviation.
         """
         if self.is_white:
             return x
