@@ -188,10 +188,16 @@ def choose(
         if len(polished.variants) > 1:
             progress("trying to do without a cause", None)
             checked = pruned(setting, polished, POLICY.backward)
-            checked = replaced(setting, checked, rounds[0].screen, POLICY.backward)
+            refitted = [r.refits for r in rounds]
+            checked = replaced(setting, checked, refitted, POLICY.backward)
             if checked is not polished:
                 polished = polish(setting, checked)
                 keener = sharper(setting, polished)
+        if polished.fit.chi2_dof < POLICY.horizon.below:
+            progress("longer windows", None)
+            longer = lengthened(setting, polished, POLICY.horizon.factor)
+            if longer is not polished:
+                polished, keener = longer, sharper(setting, longer)
         current, sharp = polished, keener
     if sharp.ids and sharp.fit.chi2_dof > LENGTHEN:
         for _ in range(LONGER):
