@@ -14,8 +14,10 @@ import numpy as np
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.layout import Values
+from tp_jax.gap.confirmation import confirm
 from tp_jax.gap.directions import Variant
-from tp_jax.gap.policy import BackwardPolicy
+from tp_jax.gap.left_out import groups, left_out
+from tp_jax.gap.policy import POLICY, BackwardPolicy
 from tp_jax.gap.refit import Refit, refit
 
 log = logging.getLogger(__name__)
@@ -47,12 +49,22 @@ def pruned(setting: Setting, result: Refit, policy: BackwardPolicy) -> Refit:
     return result
 
 
+@dataclasses.dataclass(frozen=True)
+class Tested:
+    """Two models that differ in one cause, on the same windows: the one kept and the other."""
+
+    kept: Refit
+    other: Refit
+    cause: str
+    rival: str
+
+
 def replaced(
     setting: Setting,
     result: Refit,
     rounds: Sequence[Mapping[str, Refit]],
     policy: BackwardPolicy,
-) -> Refit:
+) -> tuple[Refit, list[Tested]]:
     """A refit in which a rival stands in the place of a cause where that does better.
 
     Args:
@@ -60,7 +72,11 @@ def replaced(
         result: with two causes or more.
         rounds: what was refitted in each round of the choice, by id.
         policy: thresholds.
+
+    Returns:
+        The refit, and all pairs that were compared.
     """
+    tested: list[Tested] = []
     for v in result.variants[:-1]:  # the last one has just won against its rivals
         for refits in rounds:
             won = refits.get(v.effect.id)
@@ -74,14 +90,29 @@ def replaced(
             near.sort(key=lambda r: r.cost)
             for rival in near[: policy.rivals]:
                 trial = _instead(setting, result, v, rival)
+                if not trial.fit.converged:
+                    continue
                 gain = (result.cost - trial.cost) / max(trial.fit.chi2_dof, 1.0)
                 new = trial.variants[result.variants.index(v)]
                 more = len(new.unknowns) - len(v.unknowns)
-                if trial.fit.converged and gain > policy.deviance + policy.per_amplitude * more:
+                better = gain > policy.deviance + policy.per_amplitude * more
+                if better and _predicts_better(setting, result, trial):
                     log.info("%s in the place of %s", new.effect.id, v.effect.id)
-                    return trial
+                    tested.append(Tested(trial, result, new.effect.id, v.effect.id))
+                    return trial, tested
+                tested.append(Tested(result, trial, v.effect.id, new.effect.id))
             break
-    return result
+    return result, tested
+
+
+def _predicts_better(setting: Setting, old: Refit, new: Refit) -> bool:
+    """Whether groups left out are predicted better, in short windows and in long ones."""
+    effects = (*old.variants, *new.variants)
+    within = any(u.recording is not None for v in effects for u in v.unknowns)
+    group = groups(setting, old.fit, POLICY.folds, within)
+    before, after = (left_out(setting, r, group, POLICY.confirm) for r in (old, new))
+    found = confirm(before, after, new.fit.chi2_dof, 0, POLICY.confirm)
+    return found.confirmed and found.error_ratio <= 1.0
 
 
 def wald(result: Refit, variant: Variant) -> float:
