@@ -184,9 +184,7 @@ def _limits(fit: Fit, variant: Variant) -> np.ndarray:
     return np.array([(s.lower, s.upper) for s in specs]).reshape(-1, 2)
 
 
-def _predicted(
-    limits: np.ndarray, V: np.ndarray, s: np.ndarray
-) -> tuple[np.ndarray, float, float]:
+def _predicted(limits: np.ndarray, V: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Amplitudes (q,) within their bounds, the drop that they promise, and that without bounds."""
     inverse = pseudo_inverse(V)
     estimate, unbounded = -inverse @ s, float(s @ inverse @ s)
