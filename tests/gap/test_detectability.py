@@ -6,16 +6,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tp_jax.effects import Amplitude
 from tp_jax.gap.detectability import minimum_detectable, needed_noncentrality
 from tp_jax.gap.screen import pseudo_inverse
 
 
 def seen(V, lower=-np.inf, upper=np.inf):
-    effect = types.SimpleNamespace(
-        amplitudes=tuple(Amplitude("a", "1", lower=lower, upper=upper) for _ in range(len(V)))
-    )
-    return types.SimpleNamespace(V=np.asarray(V), variant=types.SimpleNamespace(effect=effect))
+    return types.SimpleNamespace(V=np.asarray(V), limits=np.array([(lower, upper)] * len(V)))
 
 
 def test_noncentrality_of_one_amplitude_is_that_of_a_normal():

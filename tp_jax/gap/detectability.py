@@ -34,8 +34,7 @@ def minimum_detectable(scored: Scored, tests: int, inflation: float) -> float | 
         return None
     needed = needed_noncentrality(V.shape[0], tests) * max(inflation, 1.0)
     size = float(np.sqrt(needed / value[0]))
-    limits = [max(abs(a.lower), abs(a.upper)) for a in scored.variant.effect.amplitudes]
-    return size if size <= max(limits) else None
+    return size if size <= np.abs(scored.limits).max() else None
 
 
 def cosine(screen: Screen, a: Scored, b: Scored) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.problem import Problem, columns, room, spread
 from tp_jax.estimation.windows import Prepared, cut
 from tp_jax.gap.screen import Scored, pseudo_inverse
@@ -76,10 +76,9 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
         return None
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
     nb, qa = len(base), len(a.variant.unknowns)
-    typical = {a.variant.effect.qualified(x.name): x.typical for x in a.variant.effect.amplitudes}
     ea = a.estimate
     if not np.any(ea):
-        ea = np.array([typical[u.name] for u in a.variant.unknowns])
+        ea = np.array([parameter(problem, u).typical for u in a.variant.unknowns])
     sigmas = []
     for i in range(grid.size):
         H = elim.H[windows.recording == i].sum(axis=0)

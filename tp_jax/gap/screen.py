@@ -19,7 +19,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.problem import columns, spread
 from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
@@ -33,7 +33,8 @@ class Scored:
     drop: predicted fall of the sum of squares; estimate: (q,) predicted amplitudes, both within
     the amplitudes' bounds; unbounded: the drop without those; V: (q, q) efficient information;
     blocks: (B, q) efficient scores by block; shift: (u,) predicted move of the fit's unknowns;
-    rows: what identifies the columns among all (`Screen.columns`).
+    rows: what identifies the columns among all (`Screen.columns`); limits: (q, 2) bounds of the
+    amplitudes on this rig.
     """
 
     variant: Variant
@@ -44,6 +45,7 @@ class Scored:
     blocks: np.ndarray
     shift: np.ndarray
     rows: slice
+    limits: np.ndarray
 
     @property
     def id(self) -> str:
@@ -79,7 +81,7 @@ class Screen:
             for b in ranked[i + 1 :]:
                 rows = np.r_[a.rows, b.rows]
                 V, score = self.information[np.ix_(rows, rows)], self.total[rows]
-                _, drop, _ = _predicted((a.variant, b.variant), V, score)
+                _, drop, _ = _predicted(np.concatenate([a.limits, b.limits]), V, score)
                 if found is None or drop > found[2]:
                     found = (a, b, drop)
         return found
@@ -165,26 +167,28 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
     scored = []
     for variant, rows in order:
         Ve, s = V[rows, rows], total[rows]
-        estimate, drop, unbounded = _predicted((variant,), Ve, s)
+        limits = _limits(fit, variant)
+        estimate, drop, unbounded = _predicted(limits, Ve, s)
         scored.append(
             Scored(
                 variant, drop, unbounded, estimate, Ve, by_block[:, rows],
-                -gain[: len(base), rows] @ estimate, rows,
+                -gain[: len(base), rows] @ estimate, rows, limits,
             )
         )  # fmt: skip
     return Screen(tuple(scored), V, V_by_block, missing, total)
 
 
-def _predicted(
-    together: Sequence[Variant], V: np.ndarray, s: np.ndarray
-) -> tuple[np.ndarray, float, float]:
+def _limits(fit: Fit, variant: Variant) -> np.ndarray:
+    """Bounds (q, 2) of an effect's amplitudes, as a fit of them has them."""
+    specs = [parameter(fit.problem, u) for u in variant.unknowns]
+    return np.array([(s.lower, s.upper) for s in specs]).reshape(-1, 2)
+
+
+def _predicted(limits: np.ndarray, V: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Amplitudes (q,) within their bounds, the drop that they promise, and that without bounds."""
     inverse = pseudo_inverse(V)
     estimate, unbounded = -inverse @ s, float(s @ inverse @ s)
-    bounds = {v.effect.qualified(a.name): a for v in together for a in v.effect.amplitudes}
-    low, high = np.array(
-        [(bounds[u.name].lower, bounds[u.name].upper) for v in together for u in v.unknowns]
-    ).T
+    low, high = limits.T
     if np.all((estimate >= low) & (estimate <= high)):
         return estimate, unbounded, unbounded
     live = np.diag(inverse) > 0.0  # an amplitude that the data do not know stays at null

@@ -138,7 +138,10 @@ SETTINGS = (
 
 #: Nuisances: what a rig has and nobody asks about.
 NUISANCES = (
-    Parameter("phase", "rad", -np.pi, np.pi, typical=0.1, description="drive phase at t = 0"),
+    # twice the circle, so that a phase near half a turn is no bound
+    Parameter(
+        "phase", "rad", -2.0 * np.pi, 2.0 * np.pi, typical=0.1, description="drive phase at t = 0"
+    ),
     Parameter("gain", "rad per reading", -1e6, 1e6, description="gain of the measured drive"),
     Parameter(
         "level",

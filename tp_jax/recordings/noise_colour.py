@@ -24,7 +24,6 @@ import dataclasses
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from scipy import linalg, optimize, signal
 
 from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.recording import Recording
@@ -130,7 +129,14 @@ class Colour:
 
 
 def _cholesky(correlation: Sequence[float], n: int) -> np.ndarray:
-    return np.linalg.cholesky(linalg.toeplitz(np.concatenate([[1.0], correlation])[:n]))
+    return np.linalg.cholesky(_toeplitz(correlation[: n - 1]))
+
+
+def _toeplitz(correlation: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Correlation matrix of samples in a row, from that at lags of 1 and more."""
+    row = np.concatenate([[1.0], correlation])
+    at = np.arange(row.size)
+    return row[np.abs(at[:, None] - at)]
 
 
 def noise_colour(
@@ -189,7 +195,7 @@ def first_order(rho: float, white: float, lowest: float = 0.0, order: int = POLI
             variance. lowest: see `Colour`. order: of the autoregression.
     """
     correlation = (1.0 - white) * rho ** np.arange(1, order + 1)
-    ar = linalg.solve_toeplitz(np.concatenate([[1.0], correlation[:-1]]), correlation)
+    ar = np.linalg.solve(_toeplitz(correlation[:-1]), correlation)
     # differences of high order see what is near the Nyquist frequency
     seen = white + (1.0 - white) * (1.0 - rho) / (1.0 + rho)
     return Colour(
@@ -212,6 +218,8 @@ def same_rate(recordings: Sequence[Recording], ratio: float = 1.1) -> list[list[
 
 def _binned(parts, step: float, lowest: float, policy: ColourPolicy):
     """Frequencies [Hz], mean spectral densities relative to white noise of variance 1, weights."""
+    from scipy import signal  # here, so that recording does not wait for it
+
     frequency, power = [], []
     for y in parts:
         f, p = signal.periodogram(y, 1.0 / step, window="hann", detrend="linear")
@@ -252,6 +260,8 @@ class _Spectrum:
 
 def _fitted(f, level, weight, step: float, policy: ColourPolicy, with_colour: int) -> _Spectrum:
     """Twice the negative log-likelihood of gamma-distributed bins, and c, w, a, rho."""
+    from scipy import optimize  # here, so that recording does not wait for it
+
     slope = (f / f[0]) ** -6.0
     floor = float(np.median(level[-max(len(level) // 4, 1) :]))
     unit = max(floor, 1e-300)
