@@ -81,9 +81,8 @@ def with_residual_noise(
     found = residual_colours(bare, fit, policy)
     if found == [p.colour for p in setting.prepared]:
         return setting
-    noise = dict(bare.noise)
-    for c, name in enumerate(noise):
-        noise[name] *= float(np.median([found[i][c].excess for i in setting.fitted]))
+    rise = _rise(setting, found)
+    noise = {name: level * rise[CHANNELS.index(name)] for name, level in bare.noise.items()}
     return with_noise(bare, noise, found)
 
 
@@ -92,11 +91,21 @@ def without_residual_noise(setting: Setting) -> Setting:
     colours = [tuple(Colour() if c.of_residuals else c for c in p.colour) for p in setting.prepared]
     if colours == [p.colour for p in setting.prepared]:
         return setting
-    noise = dict(setting.noise)
-    for c, name in enumerate(noise):
-        excess = [p.colour[c].excess for p in setting.prepared if p.colour[c].of_residuals]
-        noise[name] /= float(np.median(excess)) if excess else 1.0
+    rise = _rise(setting, [p.colour for p in setting.prepared])
+    noise = {name: level / rise[CHANNELS.index(name)] for name, level in setting.noise.items()}
     return with_noise(setting, noise, colours)
+
+
+def _rise(setting: Setting, colours: Sequence[tuple[Colour, Colour]]) -> list[float]:
+    """How much higher each channel's noise is by what residuals showed, over fitted recordings.
+
+    What the data showed by themselves is in its level already.
+    """
+    mine = [colours[i] for i in setting.fitted]
+    return [
+        float(np.median([pair[c].excess if pair[c].of_residuals else 1.0 for pair in mine]))
+        for c in range(2)
+    ]
 
 
 def residual_colours(

@@ -1,0 +1,175 @@
+"""The colour of noise from what a model leaves, at 60 Hz, where no band is left for noise alone."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.residual_noise import (
+    residual_colours,
+    with_residual_noise,
+    without_residual_noise,
+)
+from tp_jax.estimation.variable_projection import fit as fitted
+from tp_jax.recordings import Campaign, Recording
+from tp_jax.rig import BENCH, VirtualRig
+
+RATE, DURATION, SIGMA, RHO, WHITE = 60.0, 12.0, 2e-3, 0.7, 0.2
+T = np.arange(round(DURATION * RATE) + 1) / RATE
+RUNS = (None, 9.0, 13.0, 16.5)  # rad/s; the first is a decay
+
+
+def motions(**effects) -> list[np.ndarray]:
+    rig = VirtualRig(BENCH, effects)
+    return [
+        rig.run(T, omega=omega, release=None if omega else 0.9, duration=DURATION) for omega in RUNS
+    ]
+
+
+@pytest.fixture(scope="module")
+def right():
+    """Motions of a rig that is as the model has it."""
+    return motions()
+
+
+def coloured(rng, shape) -> np.ndarray:
+    """Noise of unit variance."""
+    drive = rng.standard_normal((shape[0] + 200, shape[1]))
+    slow = signal.lfilter([np.sqrt(1.0 - RHO**2)], [1.0, -RHO], drive, axis=0)[200:]
+    return np.sqrt(1.0 - WHITE) * slow + np.sqrt(WHITE) * rng.standard_normal(shape)
+
+
+def white(rng, shape) -> np.ndarray:
+    return rng.standard_normal(shape)
+
+
+def baseline(motions, noise, seed: int = 0, step: float = 0.0):
+    """A campaign made ready and its fit. step: of the converter [rad]."""
+    rng = np.random.default_rng(seed)
+    recordings = []
+    for omega, y in zip(RUNS, motions, strict=True):
+        y = y + SIGMA * noise(rng, y.shape)
+        if step:
+            y = step * np.round(y / step)
+        name = f"run-{omega or 0.0:.0f}.csv"
+        recordings.append(
+            Recording(
+                name=name, label=name, file=Path(name), t=T, phi1=y[:, 0], phi2=y[:, 1],
+                drive=None, forced=omega is not None, omega=omega, span=None, start=None,
+                repeat=None, held_out=False, sha256="",
+            )
+        )  # fmt: skip
+    campaign = Campaign(
+        name="slow", model="double", B1=BENCH.B1, B2=None, k=None, sample_rate=RATE,
+        recordings=tuple(recordings), folder=Path(),
+    )  # fmt: skip
+    setting = prepare_campaign(campaign, effects=())
+    return setting, grow(setting, initial_values(setting), setting.unknowns())
+
+
+def refitted(setting, fit):
+    """The same fit with another noise."""
+    return fitted(
+        setting.problem(fit.problem.windows.horizon), fit.values, fit.unknowns, fit.states,
+        bounds=setting.bounds, anchors=fit.anchors,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def seen(right):
+    return baseline(right, coloured, seed=1)
+
+
+@pytest.fixture(scope="module")
+def found(seen):
+    return with_residual_noise(*seen)
+
+
+def test_the_data_alone_do_not_say_it(seen):
+    setting, fit = seen
+    assert all(c.is_white and not c.lowest for p in setting.prepared for c in p.colour)
+    assert max(setting.noise.values()) < 0.8 * SIGMA  # which is what high differences see
+    assert fit.chi2_dof > 1.5
+
+
+def test_level_and_colour_of_both_channels(seen, found):
+    assert found is not seen[0]
+    for c, name in enumerate(("phi1", "phi2")):
+        (colour,) = {p.colour[c] for p in found.prepared}
+        assert colour.of_residuals
+        neighbours = (1.0 - colour.white) * colour.rho
+        assert neighbours == pytest.approx((1.0 - WHITE) * RHO, abs=0.1)
+        assert found.noise[name] == pytest.approx(SIGMA, rel=0.15)
+        assert found.sigma[c] == found.noise[name]
+
+
+def test_a_fit_under_it_leaves_noise(seen, found):
+    _, fit = seen
+    again = refitted(found, fit)
+    assert again.chi2_dof == pytest.approx(1.0, abs=0.15)
+    r = again.linearisation.r[:, :-4:2]
+    both = (r[:, 1:] * r[:, :-1]).sum() / (r**2).sum()
+    assert abs(both) < 0.1  # neighbouring samples
+    # the residuals as they were read are there too
+    raw = again.linearisation.samples[:, ::2]
+    assert (raw[:, 1:] * raw[:, :-1]).sum() / (raw**2).sum() > 0.3
+
+
+def test_it_can_be_taken_back(seen, found):
+    setting, fit = seen
+    back = without_residual_noise(found)
+    assert back.noise == pytest.approx(setting.noise)
+    assert all(c.is_white for p in back.prepared for c in p.colour)
+    assert without_residual_noise(setting) is setting
+    assert with_residual_noise(found, fit) is found  # and found anew, it is the same
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_white_noise_stays_white(right, seed):
+    setting, fit = baseline(right, white, seed)
+    assert with_residual_noise(setting, fit) is setting
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_gap_is_no_noise(seed):
+    """What a wrong law of friction leaves repeats with the motion: most of it stays."""
+    setting, fit = baseline(motions(contact_stribeck=0.4), white, seed)
+    assert fit.chi2_dof > 3.0
+    found = with_residual_noise(setting, fit)
+    assert max(found.noise[n] / setting.noise[n] for n in found.noise) < 1.1
+    again = refitted(found, fit)
+    assert again.chi2_dof - 1.0 > 0.8 * (fit.chi2_dof - 1.0)
+
+
+def test_rounding_is_white(right):
+    """Whatever is found in its residuals: most of the noise is the converter's."""
+    setting, fit = baseline(right, lambda rng, shape: 0.1 * coloured(rng, shape), step=4.0 * SIGMA)
+    assert with_residual_noise(setting, fit) is setting
+
+
+def test_what_the_data_said_is_not_asked_again(seen):
+    setting, fit = seen
+    own = [
+        dataclasses.replace(p, colour=tuple(dataclasses.replace(c, lowest=3.0) for c in p.colour))
+        for p in setting.prepared
+    ]
+    sure = dataclasses.replace(setting, prepared=tuple(own))
+    assert residual_colours(sure, fit) == [p.colour for p in own]
+    assert with_residual_noise(sure, fit) is sure
+
+
+def test_a_level_that_holds_a_colour_already_is_not_raised_again(right):
+    """The data show the colour of one channel, what the model leaves that of the other."""
+    setting, fit = baseline(right, coloured, seed=0)
+    by_data, unknown = setting.prepared[0].colour
+    assert not by_data.is_white
+    assert unknown.is_white
+    found = with_residual_noise(setting, fit)
+    assert found.prepared[0].colour[0] == by_data
+    assert found.prepared[0].colour[1].of_residuals
+    assert found.noise["phi1"] == setting.noise["phi1"]
+    assert found.noise["phi2"] == pytest.approx(SIGMA, rel=0.15)
+    assert without_residual_noise(found).noise == pytest.approx(setting.noise)
