@@ -419,8 +419,7 @@ class Problem:
             kinds = [self.prepared[r].colour[c] for r in self.windows.recording]
             for kind in {k for k in kinds if not k.is_white}:
                 mine = np.array([k == kind for k in kinds])
-                part = np.moveaxis(columns[mine, c : 2 * n : 2], 1, 0)
-                white = np.moveaxis(kind.whiten(part), 0, 1)
+                white = kind.whiten(columns[mine, c : 2 * n : 2], axis=1)
                 columns[mine, c : 2 * n : 2] = white * rows[mine, :, None]
 
 

@@ -209,8 +209,7 @@ class _Rest:
         """Twice the negative restricted log-likelihood, and the mean square that is left."""
         total, squares, free = 0.0, 0.0, 0.0
         for table, inside in self.parts:
-            white = np.moveaxis(colour.whiten(np.moveaxis(table, 1, 0)), 0, 1)
-            white = white * inside[:, :, None] / colour.excess
+            white = colour.whiten(table, axis=1) * inside[:, :, None] / colour.excess
             rss, _, (logdet, used) = _projected(white)
             count = inside.sum(axis=1)
             total += rss + logdet + _log_determinant(colour, count)

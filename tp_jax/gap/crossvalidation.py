@@ -9,9 +9,11 @@ tells (a decay is still after a second), or none (Ts1, Tst, T0), is not sent to 
 linearisation means nothing.
 """
 
+import dataclasses
+
 import numpy as np
 
-from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import Fit, parameter
 
 FOLDS = 5
@@ -31,12 +33,38 @@ def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
     return out
 
 
-def left_out_cost(fit: Fit, fold: np.ndarray | None = None) -> np.ndarray:
-    """Sum of squares of each window (w,) under unknowns fitted without its fold.
+@dataclasses.dataclass(frozen=True)
+class Moves:
+    """How unknowns move when groups of windows are left out, by one Newton step.
+
+    unknowns: those that follow; g (w, k) and H (w, k, k): gradients and information of the windows
+    in coordinates in which all that is known makes a unit matrix, and white (u, k) the way back;
+    steps: (G, k), one for each group.
+    """
+
+    unknowns: tuple[Unknown, ...]
+    white: np.ndarray
+    g: np.ndarray
+    H: np.ndarray
+    steps: np.ndarray
+
+    def values(self, fit: Fit, group: int) -> Values:
+        """The numbers of a fit with the unknowns moved, kept within their bounds."""
+        shift = self.white @ self.steps[group]
+        x = []
+        for u, dx in zip(self.unknowns, shift, strict=True):
+            spec, at = parameter(fit.problem, u), _value(fit, u)
+            new = spec.from_coordinate(spec.to_coordinate(at) + dx / spec.slope(at))
+            x.append(float(np.clip(new, spec.lower, spec.upper)))
+        return fit.values.put(self.unknowns, np.array(x))
+
+
+def moves(fit: Fit, fold: np.ndarray) -> Moves:
+    """How unknowns move when each fold is left out.
 
     Args:
         fit: at its optimum, or near it.
-        fold: of each window (w,); `folds` if None.
+        fold: of each window (w,), from 0 on.
     """
     free = ~fit.at_bound & np.array([_moves(fit, u) for u in fit.unknowns])
     names = [u for u, f in zip(fit.unknowns, free, strict=True) if f]
@@ -58,15 +86,30 @@ def left_out_cost(fit: Fit, fold: np.ndarray | None = None) -> np.ndarray:
     # A fit that ended early is taken for what it is near to: what is left of its gradient says
     # nothing about any fold.
     at_optimum = g - H @ (g.sum(axis=0) + pull)
-    fold = folds(fit) if fold is None else fold
-    cost = fit.eliminated.cost.copy()
+    steps = np.zeros((int(fold.max()) + 1, white.shape[1]))
     for k in np.unique(fold):
         out = fold == k
         part, axes = np.linalg.eigh(H[out].sum(axis=0))
         rest = 1.0 - np.minimum(part, MOST_LEFT_OUT)
-        move = axes @ ((axes.T @ at_optimum[out].sum(axis=0)) / rest)
-        cost[out] += 2.0 * g[out] @ move + np.einsum("u,wuv,v->w", move, H[out], move)
-    return cost
+        steps[k] = axes @ ((axes.T @ at_optimum[out].sum(axis=0)) / rest)
+    return Moves(tuple(names), white, g, H, steps)
+
+
+def left_out_cost(fit: Fit, fold: np.ndarray | None = None) -> np.ndarray:
+    """Sum of squares of each window (w,) under unknowns fitted without its fold.
+
+    Args:
+        fit: at its optimum, or near it.
+        fold: of each window (w,); `folds` if None.
+    """
+    fold = folds(fit) if fold is None else fold
+    found = moves(fit, fold)
+    step = found.steps[fold]
+    return (
+        fit.eliminated.cost
+        + 2.0 * np.einsum("wk,wk->w", found.g, step)
+        + np.einsum("wk,wkl,wl->w", step, found.H, step)
+    )
 
 
 def _value(fit: Fit, unknown: Unknown) -> float:

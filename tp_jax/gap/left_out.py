@@ -1,10 +1,10 @@
 """What a model predicts of motions that it was not fitted to.
 
-Groups of windows (whole recordings, or long spans where there are few) are left out in turn, all
-unknowns are fitted again without them, and the group is predicted: in the windows of the fit, and
-in longer ones, where an error of the model has time to grow. Only the windows' states are
-estimated there, and the zeros of that recording. What belongs to a recording that was left out is
-what the others have in common.
+Groups of windows (whole recordings, or long spans where there are few) are left out in turn. The
+unknowns move to where a fit without the group would have them, and the group is predicted: in the
+windows of the fit, and in longer ones, where an error of the model has time to grow. Only the
+windows' states are estimated there, and the zeros of that recording. What belongs to a recording
+that was left out is what the others have in common.
 """
 
 import dataclasses
@@ -18,9 +18,10 @@ from tp_jax.estimation.problem import room
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.window_states import of_windows
 from tp_jax.estimation.windows import cut
+from tp_jax.gap.crossvalidation import moves
 from tp_jax.gap.held_out import expected_elsewhere
 from tp_jax.gap.policy import ConfirmPolicy, FoldPolicy
-from tp_jax.gap.refit import Refit, with_shapes
+from tp_jax.gap.refit import Refit
 
 ZEROS = ("zero2",)
 
@@ -63,7 +64,10 @@ class LeftOut:
 
 
 def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: ConfirmPolicy) -> LeftOut:
-    """Fits a model without each group and predicts the group.
+    """Predicts each group by the model as it would be fitted without the group.
+
+    The unknowns move by one Newton step (`crossvalidation.moves`), which costs no simulation and
+    sends what the group alone tells of nowhere; the group is then simulated anew.
 
     Args:
         setting: the campaign.
@@ -73,20 +77,13 @@ def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: Confirm
     """
     whole = result.fit
     windows = whole.problem.windows
+    found = moves(whole, group)
     short, long, unknowns = [], [], []
     for g in np.unique(group):
         inside = group == g
-        rest = np.flatnonzero(~inside)
-        gone = set(windows.recording[inside]) - set(windows.recording[rest])
-        part = of_windows(whole.problem, rest)
-        ours = [u for u in whole.unknowns if u.recording not in gone]
-        again = fit(
-            part, whole.values, ours, whole.states[rest], bounds=with_shapes(setting, result)[1],
-            anchors=[a for a in whole.anchors if a.unknown in ours],
-            max_iterations=policy.steps, relative=1e-5,
-        )  # fmt: skip
-        seen = sorted(set(windows.recording[rest]))
-        values = expected_elsewhere(again.values, setting, seen, sorted(gone))
+        gone = set(windows.recording[inside]) - set(windows.recording[~inside])
+        seen = sorted(set(windows.recording[~inside]))
+        values = expected_elsewhere(found.values(whole, g), setting, seen, sorted(gone))
         free = [u for u in whole.unknowns if u.recording in gone and u.name in ZEROS]
         mine = np.flatnonzero(inside)
         there = _states_fitted(result, values, free, mine, None)

@@ -34,7 +34,6 @@ class ConfirmPolicy:
         worse: part of what some groups gain that others may lose.
         harm: rise of the root mean square error over long windows that counts as worse.
         long: long windows over those of the fit.
-        steps: of a refit with a group left out; it begins at the fit to all of them.
     """
 
     deviance: float = 16.0
@@ -42,7 +41,6 @@ class ConfirmPolicy:
     worse: float = 0.25
     harm: float = 1.02
     long: float = 5.0
-    steps: int = 6
 
 
 @dataclasses.dataclass(frozen=True)

@@ -99,27 +99,30 @@ class Colour:
         """Whether neighbouring samples are uncorrelated."""
         return not self.ar
 
-    def whiten(self, x: np.ndarray) -> np.ndarray:
+    def whiten(self, x: np.ndarray, axis: int = 0) -> np.ndarray:
         """Rows that are uncorrelated and of unit variance where those of x are this noise, scaled.
 
         Exact for an autoregression: the first p rows are decorrelated by their own covariance.
 
         Args:
-            x: (n, ...) consecutive samples of a stretch, in units of the noise's standard
+            x: consecutive samples of a stretch along an axis, in units of the noise's standard
                 deviation.
+            axis: of the samples.
         """
-        if self.is_white:
+        if self.is_white or not x.size:
             return x
-        p, n = len(self.ar), x.shape[0]
-        out = np.empty_like(x)
-        first = min(p, n)
+        from scipy import signal  # a second of loading that white noise need not wait for
+
+        n = x.shape[axis]
+        taps = np.concatenate([[1.0], -np.array(self.ar)]) / np.sqrt(self.innovation)
+        # of a denominator of one number SciPy takes another way, by a loop over rows in Python
+        out = signal.lfilter(taps, [1.0, 0.0], x, axis=axis)
+        first = min(len(self.ar), n)
         head = np.linalg.inv(_cholesky(self.correlation, first))
-        out[:first] = np.tensordot(head, x[:first], axes=1)
-        if n > p:
-            rest = x[p:].copy()
-            for lag, a in enumerate(self.ar, 1):
-                rest -= a * x[p - lag : n - lag]
-            out[p:] = rest / np.sqrt(self.innovation)
+        part = np.take(x, range(first), axis=axis)
+        where = [slice(None)] * x.ndim
+        where[axis] = slice(first)
+        out[tuple(where)] = np.moveaxis(np.tensordot(head, part, axes=(1, axis)), 0, axis)
         return out
 
     @property
