@@ -13,7 +13,7 @@ from tp_jax.gap.backward import Tested, pruned, replaced
 from tp_jax.gap.confirmation import Confirmation, confirm
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.free_structure import free_structure
-from tp_jax.gap.left_out import LeftOut, groups, left_out
+from tp_jax.gap.left_out import LeftOut, groups, largest_share, left_out
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable, sharper
 from tp_jax.gap.screen import Scored, Screen, screen
@@ -237,18 +237,24 @@ def _confirmed(
         without: errors of the former where they are known already.
     """
     new = trial.variants[-1]
-    within = any(u.recording is not None for u in new.unknowns)
     policy = POLICY.confirm
-    group = groups(setting, current.fit, POLICY.folds, within)
-    if int(group.max()) + 1 < POLICY.folds.fewest:
-        return Confirmation(False, 0.0, 0.0, 1.0, "the recordings are too few or too short")
-    if within not in without:
-        without[within] = left_out(setting, current, group, policy)
-    found = confirm(
-        without[within], left_out(setting, trial, group, policy), trial.fit.chi2_dof,
-        len(new.effect.amplitudes), policy,
-    )  # fmt: skip
-    log.info("%s: %s", new.effect.id, found)
+    found = Confirmation(False, 0.0, 0.0, 1.0, "the recordings are too few or too short")
+    own = any(u.recording is not None for u in new.unknowns)
+    for within in (True,) if own else (False, True):
+        group = groups(setting, current.fit, POLICY.folds, within)
+        if int(group.max()) + 1 < POLICY.folds.fewest:
+            continue
+        if within and not own and largest_share(trial) < policy.concentrated:
+            continue  # several recordings tell of it, and they have spoken
+        if within not in without:
+            without[within] = left_out(setting, current, group, policy)
+        found = confirm(
+            without[within], left_out(setting, trial, group, policy), trial.fit.chi2_dof,
+            len(new.effect.amplitudes), policy,
+        )  # fmt: skip
+        log.info("%s: %s", new.effect.id, found)
+        if found.confirmed:
+            break
     return found
 
 

@@ -12,6 +12,7 @@ import dataclasses
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting, handed_on
+from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import room
@@ -95,6 +96,21 @@ def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: Confirm
         long.append(float((error[valid] ** 2).mean()) if complete and valid.any() else np.nan)
         unknowns.append(values.pick(whole.unknowns))
     return LeftOut(np.array(short), np.array(long), np.array(unknowns))
+
+
+def largest_share(result: Refit) -> float:
+    """Part of what is known of the last cause's amplitudes that one recording tells.
+
+    Args:
+        result: with the cause.
+    """
+    fit = result.fit
+    mine = [fit.unknowns.index(u) for u in result.variants[-1].unknowns if u in fit.unknowns]
+    H = fit.eliminated.H[:, mine][:, :, mine]
+    inverse = scaled_inverse(H.sum(axis=0))
+    told = np.einsum("ij,wji->w", inverse, H) / max(len(mine), 1)
+    which = fit.problem.windows.recording
+    return max(float(told[which == r].sum()) for r in np.unique(which))
 
 
 def _sigma(found: Fit) -> np.ndarray:

@@ -33,6 +33,8 @@ class ConfirmPolicy:
             to one, for a catalogue of some forty effects about eighty to one.
         worse: part of what some groups gain that others may lose.
         harm: rise of the root mean square error over long windows that counts as worse.
+        concentrated: part of what is known of a cause's amplitudes that one recording tells, from
+            which halves of recordings are left out: what only one shows no other can predict.
         long: long windows over those of the fit.
     """
 
@@ -40,6 +42,7 @@ class ConfirmPolicy:
     per_amplitude: float = 4.0
     worse: float = 0.25
     harm: float = 1.02
+    concentrated: float = 0.8
     long: float = 5.0
 
 
