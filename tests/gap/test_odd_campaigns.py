@@ -15,7 +15,6 @@ from tp_jax.estimation.baseline import initial_values, prepare_campaign
 from tp_jax.estimation.placement import place
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.applicability import check_predictable, why_not
-from tp_jax.gap.choice import cause_probabilities
 from tp_jax.gap.free_run import start_state
 from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, carried_over, floor_error, shrink, squares
 from tp_jax.gap.relative import centred
@@ -191,33 +190,3 @@ def test_relative_amplitudes_are_told_about_their_mean():
     np.testing.assert_allclose(
         told.get("Ts1") * (1.0 + a), values.get("Ts1") * (1.0 + same), rtol=1e-12
     )
-
-
-def test_later_rounds_are_charged_for_the_shape_constants_of_the_first():
-    """Else any effect beside the cause would seem likelier than the cause alone."""
-
-    def scored(id, drop):
-        return SimpleNamespace(id=id, drop=drop, variant=SimpleNamespace(unknowns=(id,)))
-
-    def some(unknowns):
-        return [SimpleNamespace(name="any")] * unknowns
-
-    def refitted(cost, unknowns):
-        return SimpleNamespace(cost=cost, fit=SimpleNamespace(unknowns=some(unknowns)))
-
-    def round_(cost, unknowns, drops, refits, taken):
-        fit = SimpleNamespace(cost=cost, unknowns=some(unknowns), problem=problem)
-        screen = SimpleNamespace(best=lambda: [scored(id, drop) for id, drop in drops])
-        return SimpleNamespace(searched=fit, screen=screen, refits=refits, taken=taken)
-
-    problem = SimpleNamespace(windows=SimpleNamespace(n=60))
-    nothing = [(f"null{i}", 1.0) for i in range(25)]
-    rounds = (
-        round_(40_000.0, 9, [("cause", 14_000.0)], {"cause": refitted(25_000.0, 12)}, "cause"),
-        round_(25_000.0, 12, nothing, {}, None),
-    )
-    best = SimpleNamespace(chi2_dof=1.0, cost=24_990.0, problem=problem)
-    final = SimpleNamespace(fit=best, variants=())
-    found = cause_probabilities(SimpleNamespace(rounds=rounds, final=final), 25_000)
-    assert found["cause"] > 0.99
-    assert sum(found[f"null{i}"] for i in range(25)) < 0.3

@@ -1,32 +1,64 @@
 """The verdict, by what it rests on."""
 
+import dataclasses
+
 import pytest
 
 from tp_jax.gap.held_out import Shrink
-from tp_jax.gap.verdict import both, verdict
+from tp_jax.gap.policy import VerdictPolicy
+from tp_jax.gap.verdict import Evidence, both, verdict
 
-GONE, MOSTLY, PARTLY, NONE = (
-    Shrink(0.9999, (0.9995, 1.0), True), Shrink(0.95, (0.92, 0.97), True),
-    Shrink(0.9, (0.8, 0.95), True), Shrink(None, None, False),
+GONE, PARTLY, NONE = (
+    Shrink(0.9999, (0.9995, 1.0), True),
+    Shrink(0.9, (0.8, 0.95), True),
+    Shrink(None, None, False),
+)
+
+#: A large gap of which one sure cause leaves noise alone.
+PLAIN = Evidence(
+    structure_p=0.001, structure_p_after=0.4, excess_z=9.0, causes=1, probability=0.99,
+    shrink=GONE, rest=0.01, rest_error=0.03, gap_rms=5e-3, rest_rms=1e-4,
 )  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    ("p", "p_after", "excess", "causes", "shrink", "word"),
+    ("changes", "word"),
     [
-        (0.4, 0.4, 0.5, 0, NONE, "no_gap"),
-        (0.4, 0.4, 0.5, 1, GONE, "no_gap"),
-        (0.4, 0.4, 3.5, 0, NONE, "unknown"),  # misfit beyond the noise that no effect sees
-        (0.001, 0.4, 9.0, 1, MOSTLY, "explained"),
-        (0.001, 0.4, 9.0, 0, MOSTLY, "unknown"),
-        (0.001, 0.4, 9.0, 1, PARTLY, "unknown"),
-        (0.001, 0.4, 0.1, 1, NONE, "unknown"),
-        (0.001, 0.001, 9.0, 1, MOSTLY, "unknown"),  # a wrong cause takes most of it
-        (0.001, 0.001, 9.0, 1, GONE, "explained"),  # what stays is next to nothing
+        ({}, "explained"),
+        ({"structure_p": 0.4, "excess_z": 0.5, "causes": 0}, "no_gap"),
+        ({"structure_p": 0.4, "excess_z": 0.5}, "no_gap"),
+        # a misfit beyond the noise that no effect sees
+        ({"structure_p": 0.4, "excess_z": 3.5, "causes": 0}, "unknown"),
+        ({"causes": 0}, "unknown"),
+        ({"probability": 0.8}, "unknown"),
+        ({"worse": True}, "unknown"),
+        # a small gap counts, though the noise hides its share on held-out data
+        ({"shrink": NONE}, "explained"),
+        ({"shrink": PARTLY}, "explained"),
+        # structure is left: of a large gap next to nothing may be
+        ({"structure_p_after": 0.001}, "explained"),
+        ({"structure_p_after": 0.001, "shrink": PARTLY}, "unknown"),
+        # what is left is above the noise, whatever part of the gap is gone
+        ({"rest": 0.5}, "unknown"),
+        ({"rest": 37.0, "structure_p_after": 0.001}, "unknown"),
+        ({"rest": 0.08, "structure_p_after": 0.001}, "explained"),
     ],
-)  # fmt: skip
-def test_word(p, p_after, excess, causes, shrink, word):
-    assert verdict(p, p_after, excess, causes, shrink) == word
+)
+def test_word(changes, word):
+    assert verdict(dataclasses.replace(PLAIN, **changes)) == word
+
+
+def test_tolerance_says_which_gap_matters():
+    left = dataclasses.replace(PLAIN, rest=37.0, structure_p_after=0.001, rest_rms=2e-3)
+    assert verdict(left) == "unknown"
+    assert verdict(left, tolerance=2.5e-3) == "explained"
+    assert verdict(left, tolerance=6e-3) == "no_gap"
+    assert verdict(dataclasses.replace(left, probability=0.5), tolerance=2.5e-3) == "unknown"
+
+
+def test_policy_decides():
+    strict = VerdictPolicy(probability=0.995)
+    assert verdict(PLAIN, policy=strict) == "unknown"
 
 
 def test_either_test_of_structure_is_enough():

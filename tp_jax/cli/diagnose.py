@@ -5,6 +5,7 @@ from pathlib import Path
 
 from tp_jax.cli.arguments import add_campaign, add_common, add_json, add_seed, load
 from tp_jax.cli.output import plain, ready, replaced, write_json
+from tp_jax.errors import InputError
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "case-02"
 
@@ -22,6 +23,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--out", metavar="DIR", help="gets report.html and diagnosis.json (./NAME-diagnosis)"
     )
+    parser.add_argument(
+        "--tolerance", metavar="X", type=float, default=0.0,
+        help="rad rms; a gap below it matters to nobody (0)",
+    )  # fmt: skip
     add_seed(parser)
     add_json(parser)
     add_common(parser)
@@ -38,6 +43,8 @@ def run(args: argparse.Namespace) -> None:
     campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
     report = folder / "report.html"
+    if not 0.0 <= args.tolerance < float("inf"):
+        raise InputError(f"--tolerance {args.tolerance:g} must be an angle in rad, zero or more.")
     ready(report, args.json)
 
     import tp_jax as tp
@@ -46,7 +53,9 @@ def run(args: argparse.Namespace) -> None:
 
     enable_compilation_cache()
     with shown(quiet=args.quiet) as progress:
-        diagnosis = tp.diagnose(campaign, seed=args.seed, progress=progress)
+        diagnosis = tp.diagnose(
+            campaign, seed=args.seed, tolerance=args.tolerance, progress=progress
+        )
         result = plain(diagnosis.to_dict())
         write_json(folder / "diagnosis.json", result)
 

@@ -24,6 +24,20 @@ class Eliminated:
     state_gain: np.ndarray
 
 
+def scaled_inverse(information: np.ndarray, cut: float = 1e-12) -> np.ndarray:
+    """Pseudo-inverse of an information or covariance matrix (u, u), scaled to a unit diagonal.
+
+    Scaling makes the cut independent of units.
+
+    Args:
+        information: symmetric, positive semidefinite.
+        cut: eigenvalues below this part of the largest count as zero.
+    """
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    inverse = np.linalg.pinv(information / np.outer(scale, scale), rcond=cut, hermitian=True)
+    return inverse / np.outer(scale, scale)
+
+
 def eliminate(
     r: np.ndarray, states_jac: np.ndarray, jac: np.ndarray, damping: float = 0.0
 ) -> Eliminated:

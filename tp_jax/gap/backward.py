@@ -2,20 +2,23 @@
 
 A cause that was accepted first may have taken what belongs to another that came later, or to one
 that only stands out beside it. So after every addition each cause is left out, the others fitted
-again, and those effects that look most like it are tried in its place.
+again, and those that it once won against are tried in its place.
 """
 
 import dataclasses
 import logging
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.gap.detectability import cosine
+from tp_jax.estimation.elimination import scaled_inverse
+from tp_jax.estimation.layout import Values
+from tp_jax.gap.confirmation import confirm
 from tp_jax.gap.directions import Variant
-from tp_jax.gap.policy import BackwardPolicy
+from tp_jax.gap.left_out import groups, left_out
+from tp_jax.gap.policy import POLICY, BackwardPolicy
 from tp_jax.gap.refit import Refit, refit
-from tp_jax.gap.screen import Screen
 
 log = logging.getLogger(__name__)
 
@@ -29,49 +32,100 @@ def pruned(setting: Setting, result: Refit, policy: BackwardPolicy) -> Refit:
         policy: thresholds.
     """
     while len(result.variants) > 1:
-        trials = [_without(setting, result, v) for v in result.variants]
-        rises = [
-            (trial.cost - result.cost) / max(result.fit.chi2_dof, 1.0)
-            - policy.deviance - policy.per_amplitude * len(v.unknowns)
-            for trial, v in zip(trials, result.variants, strict=True)
-        ]  # fmt: skip
-        least = int(np.argmin(rises))
-        if not rises[least] < 0.0:
+        rises: dict[int, float] = {}
+        trials: dict[int, Refit] = {}
+        for i, v in enumerate(result.variants):
+            if wald(result, v) > policy.sure * _needed(v, policy):
+                continue
+            trials[i] = _without(setting, result, v)
+            if trials[i].fit.converged:
+                misfit = max(result.fit.chi2_dof, 1.0)
+                rises[i] = (trials[i].cost - result.cost) / misfit - _needed(v, policy)
+        least = min(rises, key=lambda i: rises[i], default=None)
+        if least is None or rises[least] > 0.0:
             break
         log.info("%s is no longer needed", result.variants[least].effect.id)
         result = trials[least]
     return result
 
 
-def replaced(setting: Setting, result: Refit, seen: Screen, policy: BackwardPolicy) -> Refit:
+@dataclasses.dataclass(frozen=True)
+class Tested:
+    """Two models that differ in one cause, on the same windows: the one kept and the other."""
+
+    kept: Refit
+    other: Refit
+    cause: str
+    rival: str
+
+
+def replaced(
+    setting: Setting,
+    result: Refit,
+    rounds: Sequence[Mapping[str, Refit]],
+    policy: BackwardPolicy,
+) -> tuple[Refit, list[Tested]]:
     """A refit in which a rival stands in the place of a cause where that does better.
 
     Args:
         setting: the campaign.
         result: with two causes or more.
-        seen: the screen of the baseline, which has all effects.
+        rounds: what was refitted in each round of the choice, by id.
         policy: thresholds.
+
+    Returns:
+        The refit, and all pairs that were compared.
     """
-    scored = {s.id: s for s in seen.best()}
+    tested: list[Tested] = []
     for v in result.variants[:-1]:  # the last one has just won against its rivals
-        if v.effect.id not in scored:
-            continue
-        likeness = {
-            id: cosine(seen, scored[v.effect.id], s)
-            for id, s in scored.items()
-            if id not in result.ids and s.drop > 0.0
-        }
-        near = sorted((id for id, c in likeness.items() if c > policy.likeness),
-                      key=lambda id: -likeness[id])[: policy.rivals]  # fmt: skip
-        for id in near:
-            variants = [scored[id].variant if x is v else x for x in result.variants]
-            trial = refit(setting, _without(setting, result, v).fit, variants)
-            gain = (result.cost - trial.cost) / max(trial.fit.chi2_dof, 1.0)
-            more = len(scored[id].variant.unknowns) - len(v.unknowns)
-            if trial.fit.converged and gain > policy.deviance + policy.per_amplitude * more:
-                log.info("%s in the place of %s", id, v.effect.id)
-                return trial
-    return result
+        for refits in rounds:
+            won = refits.get(v.effect.id)
+            if won is None:
+                continue
+            near = [
+                r for id, r in refits.items()
+                if id not in result.ids and r.fit.converged
+                and r.fit.chi2_dof < policy.near * won.fit.chi2_dof
+            ]  # fmt: skip
+            near.sort(key=lambda r: r.cost)
+            for rival in near[: policy.rivals]:
+                trial = _instead(setting, result, v, rival)
+                if not trial.fit.converged:
+                    continue
+                gain = (result.cost - trial.cost) / max(trial.fit.chi2_dof, 1.0)
+                new = trial.variants[result.variants.index(v)]
+                more = len(new.unknowns) - len(v.unknowns)
+                better = gain > policy.deviance + policy.per_amplitude * more
+                if better and _predicts_better(setting, result, trial):
+                    log.info("%s in the place of %s", new.effect.id, v.effect.id)
+                    tested.append(Tested(trial, result, new.effect.id, v.effect.id))
+                    return trial, tested
+                tested.append(Tested(result, trial, v.effect.id, new.effect.id))
+            break
+    return result, tested
+
+
+def _predicts_better(setting: Setting, old: Refit, new: Refit) -> bool:
+    """Whether groups left out are predicted better, in short windows and in long ones."""
+    effects = (*old.variants, *new.variants)
+    within = any(u.recording is not None for v in effects for u in v.unknowns)
+    group = groups(setting, old.fit, POLICY.folds, within)
+    before, after = (left_out(setting, r, group, POLICY.confirm) for r in (old, new))
+    found = confirm(before, after, new.fit.chi2_dof, 0, POLICY.confirm)
+    return found.confirmed and found.error_ratio <= 1.0
+
+
+def wald(result: Refit, variant: Variant) -> float:
+    """Rise of the sum of squares over the misfit if a cause's amplitudes were zero, linearised."""
+    fit = result.fit
+    mine = [fit.unknowns.index(u) for u in variant.unknowns if u in fit.unknowns]
+    x = fit.values.pick([fit.unknowns[i] for i in mine])
+    covariance = scaled_inverse(fit.information())[np.ix_(mine, mine)]
+    return float(x @ scaled_inverse(covariance) @ x) / max(fit.chi2_dof, 1.0)
+
+
+def _needed(variant: Variant, policy: BackwardPolicy) -> float:
+    return policy.deviance + policy.per_amplitude * len(variant.unknowns)
 
 
 def _without(setting: Setting, result: Refit, gone: Variant) -> Refit:
@@ -79,3 +133,19 @@ def _without(setting: Setting, result: Refit, gone: Variant) -> Refit:
     rest = [v for v in result.variants if v is not gone]
     values = result.fit.values.replace({u.name: 0.0 for u in gone.unknowns})
     return refit(setting, dataclasses.replace(result.fit, values=values), rest)
+
+
+def _instead(setting: Setting, result: Refit, gone: Variant, rival: Refit) -> Refit:
+    """The same causes with a rival in the place of one, from where the rival was fitted before.
+
+    From where the cause stood there may be no way: what a spring had, gravity may have now.
+    """
+    new = next(x for x in rival.variants if x.effect.id not in result.ids)
+    variants = [new if x is gone else x for x in result.variants]
+    values: Values = rival.fit.values
+    for v in result.variants:
+        if v is not gone:
+            names = [u.name for u in v.unknowns]
+            rows = {n: result.fit.values.table[values.layout.index[n]] for n in names}
+            values = values.replace(rows)
+    return refit(setting, dataclasses.replace(result.fit, values=values), variants)

@@ -9,7 +9,7 @@ import numpy as np
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit
-from tp_jax.gap.backward import pruned, replaced
+from tp_jax.gap.backward import Tested, pruned, replaced
 from tp_jax.gap.confirmation import Confirmation, confirm
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.free_structure import free_structure
@@ -66,11 +66,15 @@ class Round:
 
 @dataclasses.dataclass(frozen=True)
 class Choice:
-    """The baseline, the rounds, and where they ended; baseline and end with sharp friction."""
+    """The baseline, the rounds, and where they ended; baseline and end with sharp friction.
+
+    tested: causes that were compared with others in their place, once there were several.
+    """
 
     baseline: Fit
     rounds: tuple[Round, ...]
     final: Refit
+    tested: tuple[Tested, ...] = ()
 
     @property
     def causes(self) -> tuple[str, ...]:
@@ -92,6 +96,7 @@ def choose(
     """
     current = Refit(baseline, ())
     rounds: list[Round] = []
+    tested: list[Tested] = []
     noise_only = max(removable(baseline), 0.0)
     progress("sharpening the friction", None)
     sharp = sharp_baseline = sharper(setting, current)
@@ -188,16 +193,23 @@ def choose(
         if len(polished.variants) > 1:
             progress("trying to do without a cause", None)
             checked = pruned(setting, polished, POLICY.backward)
-            checked = replaced(setting, checked, rounds[0].screen, POLICY.backward)
+            refitted = [r.refits for r in rounds]
+            checked, pairs = replaced(setting, checked, refitted, POLICY.backward)
+            tested += pairs
             if checked is not polished:
                 polished = polish(setting, checked)
                 keener = sharper(setting, polished)
+        if polished.fit.chi2_dof < POLICY.horizon.below:
+            progress("longer windows", None)
+            longer = lengthened(setting, polished, POLICY.horizon.factor)
+            if longer is not polished:
+                polished, keener = longer, sharper(setting, longer)
         current, sharp = polished, keener
     if sharp.ids and sharp.fit.chi2_dof > LENGTHEN:
         for _ in range(LONGER):
             progress("longer windows", None)
             sharp = lengthened(setting, sharp)
-    return Choice(sharp_baseline.fit, tuple(rounds), sharp)
+    return Choice(sharp_baseline.fit, tuple(rounds), sharp, tuple(tested))
 
 
 def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:

@@ -26,15 +26,18 @@ from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.notes import notes
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.probability import cause_probabilities
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.relative import told
 from tp_jax.gap.screen import Scored
 from tp_jax.gap.series import curves, recordings, residuals
-from tp_jax.gap.verdict import both, verdict
+from tp_jax.gap.verdict import Evidence, both, verdict
 from tp_jax.recordings import Campaign, hold_out
+from tp_jax.recordings.noise import quantum
 
 SCHEMA = "tp-jax/diagnosis/1"
+MOST_TIED = 3  # effects of a group that counts as one
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,6 +70,7 @@ def diagnose(
     *,
     model: str = "newton",
     seed: int = 0,
+    tolerance: float = 0.0,
     progress: Callable[[str, float | None], None] | None = None,
 ) -> Diagnosis:
     """Where the model falls short of a campaign, which effect is missing, and what it gains.
@@ -75,6 +79,7 @@ def diagnose(
         campaign: see `load_campaign`. Where no recording is marked held out, one is.
         model: "newton" or "paper".
         seed: of every random draw.
+        tolerance: root mean square [rad] below which a gap matters to nobody.
         progress: called with a stage's name and the part of it that is done.
 
     Returns:
@@ -95,7 +100,7 @@ def diagnose(
         )
     setting, choice = _chosen(setting, baseline, seed, progress)
     progress("reading the held-out recordings", None)
-    result = _report(setting, choice, seed)
+    result = _report(setting, choice, seed, tolerance)
     result["provenance"] = {
         "version": __version__,
         "seed": seed,
@@ -134,7 +139,7 @@ def _with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting
     )  # fmt: skip
 
 
-def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
+def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0) -> dict[str, Any]:
     baseline, final = choice.baseline, choice.final
     horizon = baseline.problem.windows.horizon
     horizon = _common_horizon(setting, horizon)
@@ -157,24 +162,34 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
     anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
     structure_p = both(first.structure.p, anything["before"].p)
     structure_p_after = both(choice.structure.p, anything["after"].p)
-    word = verdict(structure_p, structure_p_after, excess, len(final.ids), total)
-    no_gap = word == "no_gap"
     probabilities = cause_probabilities(choice, setting, seed)
+    start_before, free_before = _free(setting, baseline, horizon)
+    start_after, free_after = (
+        _free(setting, final.fit, horizon) if final.ids else (start_before, free_before)
+    )
+    gap_before, gap_after = _gap(before, free_before), _gap(after, free_after)
+    worse = final.ids if final.ids and _is_worse(gap_before, gap_after) else ()
+    word = verdict(
+        _evidence(
+            setting, choice, before, after, least, structure_p, structure_p_after, excess,
+            _with_ties(setting, choice, probabilities), total, bool(worse),
+        ), tolerance,
+    )  # fmt: skip
+    no_gap = word == "no_gap"
     # refits are compared with where they began, which has the smoothing that they have
     begun = evaluate(setting, first.searched.values, horizon)
     shrinks = {
         id: shrink(setting, before if h is after else begun, h, seed, least)
         for id, h in held.items()
     }
-    final = Refit(baseline, ()) if no_gap else told(final, setting.fitted)
+    final = Refit(baseline, ()) if no_gap or worse else told(final, setting.fitted)
     ids = final.ids
-    start_before, free_before = _free(setting, baseline, horizon)
-    start_after, free_after = (
-        _free(setting, final.fit, horizon) if ids else (start_before, free_before)
-    )
+    if worse:  # where the gap lies is then asked without a cause
+        rounds = tuple(dataclasses.replace(r, taken=None) for r in choice.rounds)
+        choice = dataclasses.replace(choice, rounds=rounds, final=final)
     said = notes(
         setting, choice, final, word, structure_p_after, anything["after"], least,
-        before.complete and after.complete,
+        before.complete and after.complete, worse,
     )  # fmt: skip
     labels = [r.label for r in setting.recordings]
     return {
@@ -183,10 +198,11 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "model": setting.model,
         "verdict": word,
         "noise_floor": least.total,
+        "noise": _noise(setting),
         "noise_floor_parts": {"noise": least.noise, "calibration": least.calibration},
         "gap": {
-            "before": _gap(before, free_before),
-            "after": _gap(after if ids else before, free_after),
+            "before": gap_before,
+            "after": gap_after if ids else gap_before,
             "shrink": total.value if ids else (None if not total.significant else 0.0),
             "shrink_ci95": list(total.ci95) if ids and total.ci95 else None,
             "held_out": [setting.recordings[i].name for i in setting.held_out],
@@ -200,6 +216,8 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
                 if ids or when == "before"
             },
             "excess_z": excess,
+            "tolerance": tolerance,
+            "rejected": list(worse),
             "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
         },
         "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice, setting, seed)],
@@ -223,6 +241,61 @@ def _report(setting: Setting, choice: Choice, seed: int) -> dict[str, Any]:
         "residuals": residuals(setting, before, after if ids else None, least),
         "notes": said,
     }
+
+
+def _noise(setting: Setting) -> dict[str, dict[str, Any]]:
+    """The noise of each channel as estimated, of the recordings at the most usual rate."""
+    out = {}
+    for c, (name, sd) in enumerate(setting.noise.items()):
+        colours = [setting.prepared[i].colour[c] for i in setting.fitted]
+        colour = max(colours, key=colours.count)
+        readings = [setting.recordings[i].channels[name] for i in setting.fitted]
+        out[name] = {
+            "sd": sd,
+            "white": colour.white,
+            "ar": list(colour.ar),
+            "lag_one": float(colour.correlation[0]) if colour.correlation else 0.0,
+            "quantum": float(np.median([quantum(y) for y in readings])),
+            "from": "residuals" if colour.of_residuals else "data",
+        }
+    return out
+
+
+def _is_worse(before: dict, after: dict) -> bool:
+    """Whether held-out recordings are predicted worse, in windows or in a free run."""
+    for how in ("windowed", "free_run"):
+        old, new = before[how], after[how]
+        if old is not None and (new is None or not new <= POLICY.verdict.worse * old):
+            return True
+    return False
+
+
+def _with_ties(setting: Setting, choice: Choice, probabilities: dict[str, float]) -> float:
+    """Probability of the least probable cause, each with those it is tied with."""
+    groups = _tied(setting, choice, False)
+    out = 1.0
+    for id in choice.causes:
+        tied = {x for g in groups if id in g for x in g} - {id}
+        shares = sorted((probabilities.get(x, 0.0) for x in tied), reverse=True)
+        out = min(out, probabilities.get(id, 0.0) + sum(shares[: MOST_TIED - 1]))
+    return min(out, 1.0)
+
+
+def _evidence(
+    setting: Setting, choice: Choice, before: HeldOut, after: HeldOut, least: Floor,
+    structure_p: float, structure_p_after: float, excess: float, probability: float,
+    total: Shrink, worse: bool,
+) -> Evidence:  # fmt: skip
+    floor2 = float(np.mean([v**2 for v in least.total.values()]))
+    left, gap = after.mean_square() - floor2, before.mean_square() - floor2
+    samples = float(after.samples.sum())
+    error = float(np.hypot(floor_error(setting), np.sqrt(2.0 / max(samples, 1.0))))
+    error = float(np.hypot(error, np.sqrt(2.0) * least.parts.sum() / max(floor2, 1e-300)))
+    return Evidence(
+        structure_p, structure_p_after, excess, len(choice.causes), probability, total,
+        left / max(floor2, 1e-300), error, float(np.sqrt(max(gap, 0.0))),
+        float(np.sqrt(max(left, 0.0))), worse,
+    )  # fmt: skip
 
 
 def _common_horizon(setting: Setting, horizon: float) -> float:

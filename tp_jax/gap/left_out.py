@@ -89,9 +89,9 @@ def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: Confirm
         values = expected_elsewhere(again.values, setting, seen, sorted(gone))
         free = [u for u in whole.unknowns if u.recording in gone and u.name in ZEROS]
         mine = np.flatnonzero(inside)
-        there = _states_fitted(setting, result, values, free, mine, None)
+        there = _states_fitted(result, values, free, mine, None)
         short.append(there.linearisation.cost())
-        longer = _states_fitted(setting, result, values, free, mine, policy.long)
+        longer = _states_fitted(result, values, free, mine, policy.long)
         error = longer.linearisation.samples * _sigma(longer)
         valid = longer.linearisation.valid[:, :-4]
         complete = longer.linearisation.complete.all()
@@ -105,7 +105,6 @@ def _sigma(found: Fit) -> np.ndarray:
 
 
 def _states_fitted(
-    setting: Setting,
     result: Refit,
     values: Values,
     free: list[Unknown],

@@ -1,11 +1,12 @@
 """What a diagnosis says beside its numbers."""
 
+from collections.abc import Sequence
+
 from tp_jax.estimation.baseline import Setting
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.choice import IN_CATALOGUE, LEVEL, Choice
 from tp_jax.gap.free_structure import FreeStructure
 from tp_jax.gap.refit import Refit
-from tp_jax.gap.verdict import EXPLAINED
 
 
 def notes(
@@ -17,12 +18,14 @@ def notes(
     anything: FreeStructure,
     least: Floor,
     complete: bool,
+    worse: Sequence[str] = (),
 ) -> list[str]:
     """What to know beside the numbers, a sentence or two each.
 
     Args:
         setting, choice, final, word, structure_p_after, anything, least: what was found.
         complete: whether the models could be integrated through all held-out windows.
+        worse: ids of causes with which the held-out recordings are predicted worse.
     """
     said = []
     if setting.campaign.B1 is None:
@@ -50,10 +53,19 @@ def notes(
     bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
     if bound:
         said.append(f"At a bound: {', '.join(bound)}.")
+    refused = {id: c for r in choice.rounds for id, c in r.confirmations.items() if not c.confirmed}
+    for id, confirmation in refused.items():
+        if id not in final.ids:
+            said.append(f"{id} would fit the recordings better, but {confirmation.reason}.")
+    if worse:
+        said.append(
+            f"With {' and '.join(worse)} the held-out recordings are predicted worse than without: "
+            "that model is not offered."
+        )
     if word == "unknown" and final.ids and structure_p_after >= LEVEL:
         said.append(
-            "The fitted recordings show no structure beside what is named, but the held-out ones "
-            f"do not show for certain that {EXPLAINED:.0%} of the gap is gone, as `explained` asks."
+            "The fitted recordings show no structure beside what is named, but the cause is not "
+            "certain enough, or the held-out recordings show more than noise."
         )
     elif word == "unknown" and final.ids:
         said.append("What is named holds part of the gap; what stays is structured still.")

@@ -52,14 +52,16 @@ class BackwardPolicy:
     Attributes:
         deviance, per_amplitude: rise of the sum of squares over the misfit without the cause, the
             others refitted, below which it is not needed.
-        rivals: effects that are tried in the place of each cause.
-        likeness: |cos| between projected directions from which an effect is a rival.
+        sure: times that, by its linearisation, from which a cause is needed without a refit.
+        rivals: effects that are tried in the place of each cause: the best of those whose chi^2/dof
+            was less than `near` times that of the cause when it was accepted.
     """
 
     deviance: float = 16.0
     per_amplitude: float = 4.0
+    sure: float = 10.0
     rivals: int = 2
-    likeness: float = 0.8
+    near: float = 2.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,6 +77,42 @@ class StructurePolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class VerdictPolicy:
+    """When a gap counts as explained.
+
+    Attributes:
+        level: of the tests of structure together.
+        excess: standard errors by which something is beyond the noise.
+        probability: of each cause with its ties, at least.
+        left: part of the noise's variance that may be left of a large gap where its structure is
+            still seen; a tenth raises the error by five per cent.
+        gone: lower end of the interval of shrink from which a gap counts as large.
+        worse: rise of the held-out error with the causes that makes the model a worse one.
+    """
+
+    level: float = 0.05
+    excess: float = 3.0
+    probability: float = 0.9
+    left: float = 0.1
+    gone: float = 0.95
+    worse: float = 1.02
+
+
+@dataclasses.dataclass(frozen=True)
+class HorizonPolicy:
+    """How long the windows are over which a choice is made.
+
+    Attributes:
+        below: chi^2/dof of a model with a cause from which windows are made longer: what is still
+            missing then shows over longer times, and a wrong model has no way downhill there.
+        factor: by which, after each accepted cause.
+    """
+
+    below: float = 3.0
+    factor: float = 3.0
+
+
+@dataclasses.dataclass(frozen=True)
 class Policy:
     """All of them."""
 
@@ -82,6 +120,8 @@ class Policy:
     confirm: ConfirmPolicy = ConfirmPolicy()
     backward: BackwardPolicy = BackwardPolicy()
     structure: StructurePolicy = StructurePolicy()
+    verdict: VerdictPolicy = VerdictPolicy()
+    horizon: HorizonPolicy = HorizonPolicy()
 
 
 POLICY = Policy()

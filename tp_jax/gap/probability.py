@@ -14,8 +14,11 @@ import numpy as np
 from scipy.special import softmax
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.gap.backward import Tested
 from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.crossvalidation import left_out_cost
+from tp_jax.gap.directions import Variant
 from tp_jax.gap.left_out import groups
 from tp_jax.gap.policy import POLICY, FoldPolicy
 
@@ -36,7 +39,45 @@ def cause_probabilities(
     for r in choice.rounds:
         for id, p in _of_round(r, setting, misfit, seed, policy).items():
             out[id] = max(out.get(id, 0.0), p)
+    # beside other causes an effect may look better, or worse, than it did alone
+    for cause in choice.causes:
+        odds = {t.rival: _odds(t, setting, seed, policy) for t in choice.tested if t.cause == cause}
+        if odds:
+            out[cause] = 1.0 / (1.0 + sum(odds.values()))
+            out |= {id: out[cause] * x for id, x in odds.items() if id not in choice.causes}
     return out
+
+
+def _odds(t: Tested, setting: Setting, seed: int, policy: FoldPolicy) -> float:
+    """Of the model that was not kept to the one that was."""
+    effects = (*t.kept.variants, *t.other.variants)
+    group = groups(setting, t.kept.fit, policy, any(_by_recording(v) for v in effects))
+    scale = max(min(t.kept.fit.chi2_dof, t.other.fit.chi2_dof), 1.0)
+    table = np.array([_density(r.fit, group, scale) for r in (t.kept, t.other)])
+    kept, other = _weights(table, seed, policy)
+    return float(other / max(kept, 1e-12))
+
+
+def _by_recording(v: Variant) -> bool:
+    return any(u.recording is not None for u in v.unknowns)
+
+
+def _density(fit: Fit, group: np.ndarray, scale: float) -> np.ndarray:
+    """Log predictive density of each group without it, up to a constant."""
+    total = np.zeros(int(group.max()) + 1)
+    np.add.at(total, group, left_out_cost(fit, group))
+    return -0.5 * total / scale
+
+
+def _weights(table: np.ndarray, seed: int, policy: FoldPolicy) -> np.ndarray:
+    """Weights of hypotheses from their log densities (hypotheses, groups)."""
+    count = table.shape[1]
+    if count < policy.fewest:
+        return np.full(len(table), 1.0 / len(table))
+    rng = np.random.default_rng(seed)
+    # so the variance of a sum is that of the groups, which have their own mean taken off
+    weight = rng.dirichlet(np.full(count, (count - 2.0) / count), DRAWS) * count
+    return softmax(weight @ table.T, axis=1).mean(axis=0)
 
 
 def _of_round(
@@ -45,18 +86,12 @@ def _of_round(
     best = r.screen.best()
     if not best:
         return {}
-    own = any(u.recording is not None for s in best for u in s.variant.unknowns if s.id in r.refits)
+    own = any(_by_recording(s.variant) for s in best if s.id in r.refits)
     group = groups(setting, r.searched, policy, within=own)
     count = int(group.max()) + 1
     floor = min([f.fit.chi2_dof for f in r.refits.values()], default=misfit)
     scale = max(floor, misfit if not r.refits else 1.0, 1.0)
-
-    def density(cost: np.ndarray) -> np.ndarray:
-        total = np.zeros(count)
-        np.add.at(total, group, cost)
-        return -0.5 * total / scale
-
-    base = density(left_out_cost(r.searched, group))
+    base = _density(r.searched, group, scale)
     samples = np.bincount(group, weights=r.searched.problem.windows.count, minlength=count)
     share = samples / samples.sum()
     penalty = 0.5 * np.log(max(r.searched.dof, 2))
@@ -64,18 +99,11 @@ def _of_round(
     lowest = min([f.cost for f in r.refits.values()], default=0.0)
     for s in best:
         if s.id in r.refits:
-            rows.append(density(left_out_cost(r.refits[s.id].fit, group)))
+            rows.append(_density(r.refits[s.id].fit, group, scale))
         else:
             # beyond the best refit a linear prediction promises what nobody can keep
             drop = min(s.drop, max(r.searched.cost - lowest, 0.0)) if r.refits else s.drop
             rows.append(base + share * (0.5 * drop / scale - penalty * len(s.variant.unknowns)))
         names.append(s.id)
-    table = np.array(rows)
-    if count < policy.fewest:
-        weights = np.full(len(names), 1.0 / len(names))
-    else:
-        rng = np.random.default_rng(seed)
-        # so the variance of a sum is that of the groups, which have their own mean taken off
-        weight = rng.dirichlet(np.full(count, (count - 2.0) / count), DRAWS) * count
-        weights = softmax(weight @ table.T, axis=1).mean(axis=0)
+    weights = _weights(np.array(rows), seed, policy)
     return dict(zip(names[1:], weights[1:].tolist(), strict=True))
