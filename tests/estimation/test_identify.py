@@ -134,7 +134,8 @@ def test_nelder_mead_goes_down(campaign):
     ("options", "part"),
     [
         ({"fix": {"x": 1.0}}, "no parameter 'x'"),
-        ({"fix": {"k": 0.0}}, "above zero"),
+        ({"fix": {"B2": 0.0}}, "above zero"),
+        ({"fix": {"k": 0.0}}, "must lie between"),
         ({"fix": {"M1": -1.0}}, "zero or more"),
         ({"fix": {"k": 1.0}, "bound": {"k": (0.1, 2.0)}}, "fixed and bounded"),
         ({"bound": {"k": (2.0, 1.0)}}, "must rise"),

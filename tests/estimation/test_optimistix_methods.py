@@ -67,13 +67,14 @@ def test_residuals_and_slopes_are_the_windows(setting, problem, reference):
     assert (r**2).sum() == pytest.approx(lin.cost(), rel=1e-6)
     # states follow: what is left of the Jacobian is what elimination leaves
     np.testing.assert_allclose(J.T @ J, elim.H.sum(axis=0), rtol=1e-3, atol=1e-3)
-    moved = problem.linearise(
-        reference.values.replace({"k": 1.001 * reference.values.get("k")}),
-        reference.states + elim.state_gain[:, :, 1] * np.log(1.001), slots,
-    )  # fmt: skip
     assert unknowns[1].name == "k"
+    k = reference.values.get("k")
     step = np.zeros(len(unknowns))
-    step[1] = np.log(1.001)
+    step[1] = specs[1].to_coordinate(1.001 * k) - specs[1].to_coordinate(k)
+    moved = problem.linearise(
+        reference.values.replace({"k": 1.001 * k}),
+        reference.states + elim.state_gain[:, :, 1] * step[1], slots,
+    )  # fmt: skip
     other, _ = evaluate(
         problem.layout, problem.tolerances, ids, "linear", made.at + jnp.asarray(step), made
     )

@@ -118,6 +118,17 @@ def test_a_fit_under_it_leaves_noise(seen, found):
     assert (raw[:, 1:] * raw[:, :-1]).sum() / (raw**2).sum() > 0.3
 
 
+def test_a_fit_under_it_shows_it_again(seen, found):
+    """Its residuals are in units of another noise, and their correlation is taken out."""
+    again = with_residual_noise(found, refitted(found, seen[1]))
+    for c, name in enumerate(("phi1", "phi2")):
+        assert again.noise[name] == pytest.approx(found.noise[name], rel=0.02)
+        new, old = again.prepared[0].colour[c], found.prepared[0].colour[c]
+        assert new.of_residuals
+        assert new.rho == pytest.approx(old.rho, abs=0.03)
+        assert new.white == pytest.approx(old.white, abs=0.03)
+
+
 def test_it_can_be_taken_back(seen, found):
     setting, fit = seen
     back = without_residual_noise(found)

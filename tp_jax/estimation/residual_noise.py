@@ -118,6 +118,7 @@ def residual_colours(
         fit: to its fitted recordings.
         policy: what decides.
     """
+    fit = _under(setting, fit)
     found = [p.colour for p in setting.prepared]
     for group in same_rate(setting.recordings):
         mine = [i for i in group if i in setting.fitted]
@@ -134,6 +135,17 @@ def residual_colours(
         for i in group:
             found[i] = (pair[0], pair[1])
     return found
+
+
+def _under(setting: Setting, fit: Fit) -> Fit:
+    """A fit with its residuals in units of a campaign's noise, of which it may have known more."""
+    colours = [p.colour for p in setting.prepared]
+    known = [p.colour for p in fit.problem.prepared]
+    if known == colours and np.array_equal(fit.problem.sigma, setting.sigma):
+        return fit
+    problem = dataclasses.replace(fit.problem, prepared=setting.prepared, sigma=setting.sigma)
+    lin = problem.linearise(fit.values, fit.states, ())
+    return dataclasses.replace(fit, problem=problem, linearisation=lin)
 
 
 def _rounded(setting: Setting, group: Sequence[int], c: int, policy: ResidualNoisePolicy) -> bool:
