@@ -92,17 +92,21 @@ def _of_round(
     floor = min([f.fit.chi2_dof for f in r.refits.values()], default=misfit)
     scale = max(floor, misfit if not r.refits else 1.0, 1.0)
     base = _density(r.searched, group, scale)
+    refitted = {id: _density(f.fit, group, scale) for id, f in r.refits.items()}
+    # What is only predicted is expected where the best refit found it: no group can gain more than
+    # it has to.
     samples = np.bincount(group, weights=r.searched.problem.windows.count, minlength=count)
-    share = samples / samples.sum()
+    best_gain = max((d - base for d in refitted.values()), key=np.sum, default=samples)
+    share = np.maximum(best_gain, 0.0) / max(float(np.maximum(best_gain, 0.0).sum()), 1e-300)
     penalty = 0.5 * np.log(max(r.searched.dof, 2))
-    rows, names = [base], [""]
     lowest = min([f.cost for f in r.refits.values()], default=0.0)
+    rows, names = [base], [""]
     for s in best:
-        if s.id in r.refits:
-            rows.append(_density(r.refits[s.id].fit, group, scale))
+        if s.id in refitted:
+            rows.append(refitted[s.id])
         else:
             # beyond the best refit a linear prediction promises what nobody can keep
-            drop = min(s.drop, max(r.searched.cost - lowest, 0.0)) if r.refits else s.drop
+            drop = min(s.drop, max(r.searched.cost - lowest, 0.0)) if refitted else s.drop
             rows.append(base + share * (0.5 * drop / scale - penalty * len(s.variant.unknowns)))
         names.append(s.id)
     weights = _weights(np.array(rows), seed, policy)
