@@ -125,7 +125,8 @@ def test_windows_that_cannot_be_integrated_are_not_counted():
     r = np.full((3, 8 + 4), 2.0)
     r[1] = 0.0  # as a linearisation has it
     complete = np.array([True, False, True])
-    lin = SimpleNamespace(r=r, valid=np.ones((3, 12), dtype=bool), complete=complete)
+    valid = np.ones((3, 12), dtype=bool)
+    lin = SimpleNamespace(samples=r[:, :-4], valid=valid, complete=complete)
     problem = SimpleNamespace(sigma=np.array([1e-3, 1e-3]))
     found = squares(SimpleNamespace(linearisation=lin, problem=problem))
     assert not found.complete

@@ -75,8 +75,9 @@ def check_values(
 
 
 def _check_value(spec: Parameter, value: float, B1: float | None) -> None:
-    if not value >= 0.0 or (value == 0.0 and spec.transform == "log"):
-        least = "above zero" if spec.transform == "log" else "zero or more"
+    positive = spec.transform == "log" or spec.lower > 0.0
+    if not value >= 0.0 or (value == 0.0 and positive):
+        least = "above zero" if positive else "zero or more"
         raise InputError(f"Parameter {spec.name} must be {least}, but is fixed at {value:g}.")
     low, high = span(spec, B1)
     if not low <= value <= high:
