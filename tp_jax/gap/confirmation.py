@@ -45,9 +45,7 @@ def confirm(
         amplitudes: of the cause.
         policy: thresholds.
     """
-    fall = (without.short - with_cause.short) / max(misfit, 1.0)
-    fall = np.where(np.isfinite(with_cause.short), fall, -np.inf)
-    fall = np.where(np.isfinite(without.short), fall, np.abs(fall))
+    fall = _falls(without.short, with_cause.short) / max(misfit, 1.0)
     gained = float(fall[fall > 0.0].sum())
     lost = float(-fall[fall < 0.0].sum())
     deviance = gained - lost
@@ -62,6 +60,19 @@ def confirm(
         reason = "the prediction of long runs left out gets worse"
     part = lost / gained if gained > 0.0 else np.inf
     return Confirmation(not reason, deviance, part, ratio, reason)
+
+
+def _falls(without: np.ndarray, with_cause: np.ndarray) -> np.ndarray:
+    """Falls of the groups' sums of squares.
+
+    A group through which only the model with the cause cannot be integrated is lost without limit.
+    One that the other model cannot follow says nothing of a size: it counts as nothing.
+    """
+    known = np.isfinite(without) & np.isfinite(with_cause)
+    falls = np.zeros_like(without)
+    falls[known] = without[known] - with_cause[known]
+    falls[np.isfinite(without) & ~np.isfinite(with_cause)] = -np.inf
+    return falls
 
 
 def _ratio(without: np.ndarray, with_cause: np.ndarray) -> float:

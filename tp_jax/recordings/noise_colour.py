@@ -184,8 +184,11 @@ def noise_colour(
     if white.cost - coloured.cost < policy.certain:
         return Colour(lowest=lowest if lowest < policy.wide / step else 0.0)
     _, w, a, rho = coloured.numbers
-    # no correlation longer than what the band shows: the corner frequency lies inside it
-    rho = min(rho, float(np.exp(-2.0 * np.pi * lowest * step)))
+    if rho > np.exp(-2.0 * np.pi * lowest * step):
+        # The corner frequency lies below the band, where the motion is: how far, nobody can say.
+        if lowest > policy.wide / step:
+            return Colour()
+        rho = float(np.exp(-2.0 * np.pi * lowest * step))
     slow = a / (1.0 - rho**2)
     return first_order(rho, w / (w + slow), lowest, policy.order)
 
