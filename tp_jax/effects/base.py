@@ -95,6 +95,8 @@ class Effect:
         uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
         relative: the parameter whose part the amplitude of each recording is, where that is so:
             what they have in common is then the parameter's, and only their differences matter.
+        drifts: whether it changes with the time within a run, the same way in every run: one run
+            cannot show that another would.
         n_states: number of states of its own, each in rad, zero where a run begins at rest.
         reads_later: the amplitude [s] by which it has a measured drive read later, if it does;
             its increment is then `m.later` of it.
@@ -110,6 +112,7 @@ class Effect:
     uses_phi1: ClassVar[bool] = False
     uses_phi2: ClassVar[bool] = False
     relative: ClassVar[str] = ""
+    drifts: ClassVar[bool] = False
     n_states: ClassVar[int] = 0
     reads_later: ClassVar[str] = ""
     formula: ClassVar[str] = ""

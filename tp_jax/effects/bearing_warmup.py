@@ -9,6 +9,7 @@ class BearingWarmup(Effect):
     id = "bearing_warmup"
     location = "bearing"
     hook = "bearing"
+    drifts = True
     amplitudes = (Amplitude("a", "1", typical=0.2, lower=-2.0, upper=2.0),)
     formula = "(M1 S + c1 v1)(1 + a s)"
     source = "Section 6 of the paper"

@@ -9,6 +9,7 @@ class ContactWear(Effect):
     id = "contact_wear"
     location = "contact"
     hook = "contact"
+    drifts = True
     amplitudes = (Amplitude("a", "1", typical=0.2, lower=-2.0, upper=2.0),)
     needs = frozenset({"rider"})
     formula = "(Ts1 S + Tst term)(1 + a s)"

@@ -9,6 +9,7 @@ class Sensor1Drift(Effect):
     id = "sensor1_drift"
     location = "sensor1"
     hook = "sensor1"
+    drifts = True
     amplitudes = (
         Amplitude("a", "1", typical=0.05),
         Amplitude("b", "rad", typical=0.02),

@@ -9,6 +9,7 @@ class Sensor2Drift(Effect):
     id = "sensor2_drift"
     location = "sensor2"
     hook = "sensor2"
+    drifts = True
     amplitudes = (
         Amplitude("a", "1", typical=0.05),
         Amplitude("b", "rad", typical=0.02),

@@ -9,6 +9,7 @@ class SpringRelaxation(Effect):
     id = "spring_relaxation"
     location = "spring"
     hook = "spring"
+    drifts = True
     amplitudes = (Amplitude("a", "1", typical=0.05),)
     formula = "k d (1 + a s)"
     source = "Section 6 of the paper"

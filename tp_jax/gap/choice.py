@@ -330,7 +330,8 @@ def _amplitudes(result: Refit) -> int:
 def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:
     """The effects worth a refit, best first; one at least.
 
-    Not those that could only help with the wrong sign.
+    Not those that could only help with the wrong sign, nor, of one run, those that drift within
+    it: nothing says that another run would drift alike.
     A refit knows nothing of the calibration's error. Where that is known, an effect of a sensor
     must therefore stand out in the screen, which does, or it would be credited with that error.
     """
@@ -340,6 +341,8 @@ def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> li
         ranked = [
             s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")
         ]
+    if len(setting.fitted) < 2:
+        ranked = [s for s in ranked if not s.variant.effect.drifts] or ranked[:1]
     return [s for s in ranked if s.drop > 0.0] or ranked[:1]
 
 
