@@ -35,7 +35,7 @@ def diagnosis() -> dict:
         "where": [{"location": "contact", "channel": "contact", "share": 1.0, "when": None}],
         "causes": [{
             "effect": "contact_stribeck", "location": "contact", "channel": "contact",
-            "probability": 0.97, "shrink": 0.98, "parameters": {"a": size, "vs": size},
+            "probability": 0.97, "shrink": 0.98, "parameters": {"a": dict(size), "vs": dict(size)},
         }],
         "candidates": [
             {"effect": "contact_stribeck", "applicable": True, "probability": 0.97},
