@@ -115,6 +115,9 @@ def test_real_wheel(shared):
         pytest.skip("the Pohl wheel recording is not here")
     diagnosis = tp.diagnose(tp.load_campaign(folder), seed=0)
     gap = diagnosis.to_dict()["gap"]
-    assert diagnosis.causes == ["spring_hardening"]
+    assert diagnosis.causes[0] == "spring_hardening"
+    # the drive is read some five milliseconds late, beside which nothing harms the prediction
+    assert diagnosis.causes[1:2] == ["drive_delay"]
+    assert gap["after"]["windowed"] <= 0.0045
     assert 0.14 <= gap["before"]["free_run"] <= 0.17
     assert gap["after"]["free_run"] <= 0.0125

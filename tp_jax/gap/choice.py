@@ -41,6 +41,7 @@ LEAST_PART = 0.01  # of the removable gap that a cause must take with it, or be 
 CLEARLY = 64.0  # twice a logarithm of likelihoods, of a cause that takes less
 ZEROS = ("zero1", "zero2")
 BESIDE = 0.25  # of what it takes: what others may still promise
+FURTHER = 60  # steps more of a polish that has not ended
 ALTERNATIVES = 3  # effects that are asked for confirmation in one round
 PAIR = 1.1  # times what the best effect promises: two that promise more are both refitted
 
@@ -160,6 +161,8 @@ def choose(
         while taken is None and len(confirmations) < ALTERNATIVES:
             progress(f"polishing {best}", None)
             polished = polish(setting, refits[best])
+            if not polished.fit.converged:
+                polished = polish(setting, polished, FURTHER)
             refits[best] = polished
             gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
             log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
@@ -177,7 +180,11 @@ def choose(
             ):  # fmt: skip
                 break
             progress(f"predicting without {best}", None)
-            confirmations[best] = _confirmed(setting, current, polished, without)
+            if polished.fit.converged:
+                confirmations[best] = _confirmed(setting, current, polished, without)
+            else:  # where it would end nobody knows
+                reason = "its fit does not come to an end"
+                confirmations[best] = Confirmation(False, 0.0, 0.0, 1.0, reason)
             if confirmations[best].confirmed:
                 taken = best
                 break

@@ -28,7 +28,7 @@ from tp_jax.gap.location import locate
 from tp_jax.gap.notes import notes
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.probability import cause_probabilities
-from tp_jax.gap.refit import Refit, removable
+from tp_jax.gap.refit import Refit, removable, sharper
 from tp_jax.gap.relative import told
 from tp_jax.gap.screen import Scored
 from tp_jax.gap.series import curves, recordings, residuals
@@ -140,9 +140,9 @@ def _with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting
 
 
 def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0) -> dict[str, Any]:
+    horizon = _common_horizon(setting, choice.baseline.problem.windows.horizon)
+    choice, dropped = _without_harm(setting, choice, horizon)
     baseline, final = choice.baseline, choice.final
-    horizon = baseline.problem.windows.horizon
-    horizon = _common_horizon(setting, horizon)
     before = evaluate(setting, baseline.values, horizon)
     least = floor(setting, baseline, before.fit)
     singles = {id: r for id, r in choice.rounds[0].refits.items()}
@@ -189,7 +189,7 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
         choice = dataclasses.replace(choice, rounds=rounds, final=final)
     said = notes(
         setting, choice, final, word, structure_p_after, anything["after"], least,
-        before.complete and after.complete, worse,
+        before.complete and after.complete, worse or dropped,
     )  # fmt: skip
     labels = [r.label for r in setting.recordings]
     return {
@@ -217,7 +217,7 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
             },
             "excess_z": excess,
             "tolerance": tolerance,
-            "rejected": list(worse),
+            "rejected": [*worse, *dropped],
             "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
         },
         "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice, setting, seed)],
@@ -259,6 +259,34 @@ def _noise(setting: Setting) -> dict[str, dict[str, Any]]:
             "from": "residuals" if colour.of_residuals else "data",
         }
     return out
+
+
+def _without_harm(
+    setting: Setting, choice: Choice, horizon: float
+) -> tuple[Choice, tuple[str, ...]]:
+    """The choice without last causes that make the prediction of held-out data worse.
+
+    Worse than that of the model before they were added; the first cause is held against the
+    baseline (`_is_worse` in the report). Returns the ids that were taken out, too.
+    """
+
+    def errors(result: Refit) -> dict[str, float | None]:
+        held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
+        return _gap(held, _free(setting, result.fit, horizon)[1])
+
+    dropped: list[str] = []
+    while True:
+        added = [i for i, r in enumerate(choice.rounds) if r.taken is not None]
+        if len(added) < 2:
+            return choice, tuple(dropped)
+        r = choice.rounds[added[-1]]
+        assert r.taken is not None
+        before = Refit(r.searched, r.refits[r.taken].variants[:-1])
+        if not before.ids or not _is_worse(errors(before), errors(choice.final)):
+            return choice, tuple(dropped)
+        dropped.append(r.taken)
+        rounds = (*choice.rounds[: added[-1]], dataclasses.replace(r, taken=None))
+        choice = dataclasses.replace(choice, rounds=rounds, final=sharper(setting, before))
 
 
 def _is_worse(before: dict, after: dict) -> bool:
