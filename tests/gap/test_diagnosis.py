@@ -115,7 +115,8 @@ def test_real_wheel(shared):
         pytest.skip("the Pohl wheel recording is not here")
     diagnosis = tp.diagnose(tp.load_campaign(folder), seed=0)
     gap = diagnosis.to_dict()["gap"]
-    assert diagnosis.causes[0] == "spring_hardening"
+    # a tilt of this size has the same cubic term, and is listed with it as not told apart
+    assert diagnosis.causes[0] in ("spring_hardening", "column_tilt")
     # the drive is read some five milliseconds late, beside which nothing harms the prediction
     assert diagnosis.causes[1:2] == ["drive_delay"]
     assert gap["after"]["windowed"] <= 0.0045
