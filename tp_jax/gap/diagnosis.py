@@ -162,7 +162,7 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
     anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
     structure_p = both(first.structure.p, anything["before"].p)
     structure_p_after = both(choice.structure.p, anything["after"].p)
-    probabilities = cause_probabilities(choice, setting, seed)
+    probabilities = cause_probabilities(choice, setting)
     start_before, free_before = _free(setting, baseline, horizon)
     start_after, free_after = (
         _free(setting, final.fit, horizon) if final.ids else (start_before, free_before)

@@ -16,11 +16,18 @@ class FoldPolicy:
             contiguous spans. Five give a t distribution with four degrees of freedom.
         periods: of the motion that a span lasts at least; shorter ones resemble their neighbours.
         fewest: groups below which recordings cannot tell one cause from another.
+        agreeing: groups that agreed as noise would let them, as which counts what is known of a
+            dispersion before any group is asked: log likelihoods are divided by the misfit already.
+            It counts less where few groups tell, and not where one does.
+        quantiles: of the distribution of a dispersion that a few groups tell, over which
+            probabilities are averaged.
     """
 
     groups: int = 5
     periods: float = 4.0
     fewest: int = 3
+    agreeing: float = 4.0
+    quantiles: int = 200
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,60 +1,88 @@
-"""Probabilities of causes, from what their models predict of groups that were left out.
+"""Probabilities of causes, from what their models leave of each group of windows.
 
 At every round of the choice the hypotheses are: nothing more, and each effect that was refitted;
-the others enter with what the screen predicts, charged for their unknowns. A hypothesis has the
-log predictive density of each group under a fit without it, divided by the misfit of the best
-model; its weight is the mean of its share over groups drawn anew with replacement (Bayesian
-bootstrap). So an effect that two recordings speak for and three against is not certain, however
-many samples they have, and effects that predict alike share what there is.
+the others enter with what the screen predicts. A hypothesis has the log likelihood of each group
+(recordings, or long spans of them), divided by the misfit of the best model, and a charge for its
+unknowns (Schwarz' criterion).
 
-Source: Yao, Vehtari, Simpson, Gelman (2018), Bayesian Analysis 13, 917-1007 (pseudo-BMA+).
+If the best model is the rig's, then on a group in which its prediction and another's are d^2 apart
+(a sum of squares in units of the noise), the other's sum of squares is the larger by
+d^2 +- 2 d. How much more the groups scatter about that is the dispersion: errors that both models
+have in common, correlated over a recording, are in it. Log likelihoods are divided by it, and it is
+known as well as the groups that tell the two apart are many. So an effect that two recordings speak
+for and three against is not certain, however many samples they have, and effects that predict alike
+share what there is. Whether a cause predicts what was left out is asked elsewhere (`confirmation`).
+
+Source: overdispersion of quasi-likelihoods: McCullagh, Nelder (1989), Generalized Linear Models,
+2nd ed., sections 4.5 and 9.2; likelihoods to a power for models that are not the truth: Holmes,
+Walker (2017), Biometrika 104, 497-503.
 """
+
+import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.special import softmax
+from scipy.stats import chi2
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.backward import Tested
 from tp_jax.gap.choice import Choice, Round
-from tp_jax.gap.crossvalidation import left_out_cost
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.left_out import groups
 from tp_jax.gap.policy import POLICY, FoldPolicy
 
-DRAWS = 2000
+
+@dataclasses.dataclass(frozen=True)
+class Densities:
+    """What hypotheses say of groups.
+
+    Attributes:
+        log: (h, G) log likelihoods, up to a constant of each group.
+        apart: (h, h, G) squared distances of predictions in units of the noise; NaN of those that
+            were not refitted.
+        charge: (h,) what is taken off for unknowns, and for being one of many.
+    """
+
+    log: np.ndarray
+    apart: np.ndarray
+    charge: np.ndarray
 
 
 def cause_probabilities(
-    choice: Choice, setting: Setting, seed: int = 0, policy: FoldPolicy = POLICY.folds
+    choice: Choice, setting: Setting, policy: FoldPolicy = POLICY.folds
 ) -> dict[str, float]:
     """Posterior inclusion of each effect that was looked at.
 
     Args:
-        choice: its rounds. setting: the campaign. seed: of the bootstrap.
+        choice: its rounds. setting: the campaign.
         policy: how recordings are grouped.
     """
     misfit = max(choice.final.fit.chi2_dof, 1.0)
     out: dict[str, float] = {}
     for r in choice.rounds:
-        for id, p in _of_round(r, setting, misfit, seed, policy).items():
+        for id, p in _of_round(r, setting, misfit, policy).items():
             out[id] = max(out.get(id, 0.0), p)
     # beside other causes an effect may look better, or worse, than it did alone
     for cause in choice.causes:
-        odds = {t.rival: _odds(t, setting, seed, policy) for t in choice.tested if t.cause == cause}
+        odds = {t.rival: _odds(t, setting, policy) for t in choice.tested if t.cause == cause}
         if odds:
             out[cause] = 1.0 / (1.0 + sum(odds.values()))
             out |= {id: out[cause] * x for id, x in odds.items() if id not in choice.causes}
     return out
 
 
-def _odds(t: Tested, setting: Setting, seed: int, policy: FoldPolicy) -> float:
+def _odds(t: Tested, setting: Setting, policy: FoldPolicy) -> float:
     """Of the model that was not kept to the one that was."""
     effects = (*t.kept.variants, *t.other.variants)
     group = groups(setting, t.kept.fit, policy, any(_by_recording(v) for v in effects))
     scale = max(min(t.kept.fit.chi2_dof, t.other.fit.chi2_dof), 1.0)
-    table = np.array([_density(r.fit, group, scale) for r in (t.kept, t.other)])
-    kept, other = _weights(table, seed, policy)
+    fits = [t.kept.fit, t.other.fit]
+    log = np.array([_density(fit, group, scale) for fit in fits])
+    unknowns = [sum(len(v.unknowns) for v in r.variants) for r in (t.kept, t.other)]
+    charge = _charge(t.kept.fit) * np.array(unknowns)
+    kept, other = weights(Densities(log, _apart(fits, group, scale), charge), policy)
     return float(other / max(kept, 1e-12))
 
 
@@ -63,26 +91,65 @@ def _by_recording(v: Variant) -> bool:
 
 
 def _density(fit: Fit, group: np.ndarray, scale: float) -> np.ndarray:
-    """Log predictive density of each group without it, up to a constant."""
-    total = np.zeros(int(group.max()) + 1)
-    np.add.at(total, group, left_out_cost(fit, group))
-    return -0.5 * total / scale
+    """Log likelihood of each group, up to a constant."""
+    return -0.5 * np.bincount(group, weights=fit.eliminated.cost) / scale
 
 
-def _weights(table: np.ndarray, seed: int, policy: FoldPolicy) -> np.ndarray:
-    """Weights of hypotheses from their log densities (hypotheses, groups)."""
-    count = table.shape[1]
+def _charge(fit: Fit) -> float:
+    """For each unknown (Schwarz, 1978, Annals of Statistics 6, 461-464)."""
+    return 0.5 * float(np.log(max(fit.dof, 2)))
+
+
+def _apart(fits: Sequence[Fit | None], group: np.ndarray, scale: float) -> np.ndarray:
+    """Squared distances (h, h, G) of the predictions of fits on the same windows."""
+    out = np.full((len(fits), len(fits), int(group.max()) + 1), np.nan)
+    for i, a in enumerate(fits):
+        for j, b in enumerate(fits):
+            if a is not None and b is not None:
+                difference = np.nan_to_num(a.linearisation.r - b.linearisation.r)
+                out[i, j] = np.bincount(group, weights=(difference**2).sum(axis=1)) / scale
+    return out
+
+
+def weights(found: Densities, policy: FoldPolicy = POLICY.folds) -> np.ndarray:
+    """Posterior weights (h,) of hypotheses.
+
+    Args:
+        found: what they predict of the groups.
+        policy: how few groups tell nothing, so that all weights are the same.
+    """
+    count = found.log.shape[1]
     if count < policy.fewest:
-        return np.full(len(table), 1.0 / len(table))
-    rng = np.random.default_rng(seed)
-    # so the variance of a sum is that of the groups, which have their own mean taken off
-    weight = rng.dirichlet(np.full(count, (count - 2.0) / count), DRAWS) * count
-    return softmax(weight @ table.T, axis=1).mean(axis=0)
+        return np.full(len(found.log), 1.0 / len(found.log))
+    total = found.log.sum(axis=1) - found.charge
+    best = int(total.argmax())
+    behind = found.log[best] - found.log
+    apart = found.apart[best]
+    known = np.isfinite(apart).all(axis=1)
+    apart = np.where(known[:, None], apart, 0.0)
+    distance = apart.sum(axis=1)
+    told = distance > 0.0
+    spread = ((2.0 * behind - apart) ** 2).sum(axis=1)
+    dispersion = np.divide(spread, 4.0 * distance, out=np.ones(len(total)), where=told)
+    # groups in which two models hardly differ tell nothing of how far one may trust the others
+    count_of = np.divide(distance**2, (apart**2).sum(axis=1), out=np.ones(len(total)), where=told)
+    if told.any():
+        dispersion[~known] = np.median(dispersion[told])
+        count_of[~known] = np.median(count_of[told])
+    # What is common to all errors has been divided by already: before any group is asked the
+    # dispersion is one. But one group alone agrees with nothing.
+    before = policy.agreeing * (1.0 - 1.0 / count_of)
+    dispersion = (before + count_of * dispersion) / (before + count_of)
+    count_of = before + count_of
+    # The power is one over the dispersion, which is one at least. The same quantile for all, or
+    # hypotheses that predict alike would not share alike.
+    dispersion = count_of * np.maximum(dispersion, 1.0)
+    quantiles = (np.arange(policy.quantiles) + 0.5) / policy.quantiles
+    power = chi2.ppf(quantiles[:, None] * chi2.cdf(dispersion, count_of), count_of) / dispersion
+    return softmax(power * (total - total[best]), axis=1).mean(axis=0)
 
 
-def _of_round(
-    r: Round, setting: Setting, misfit: float, seed: int, policy: FoldPolicy
-) -> dict[str, float]:
+def _of_round(r: Round, setting: Setting, misfit: float, policy: FoldPolicy) -> dict[str, float]:
     best = r.screen.best()
     if not best:
         return {}
@@ -98,16 +165,21 @@ def _of_round(
     samples = np.bincount(group, weights=r.searched.problem.windows.count, minlength=count)
     best_gain = max((d - base for d in refitted.values()), key=np.sum, default=samples)
     share = np.maximum(best_gain, 0.0) / max(float(np.maximum(best_gain, 0.0).sum()), 1e-300)
-    penalty = 0.5 * np.log(max(r.searched.dof, 2))
     lowest = min([f.cost for f in r.refits.values()], default=0.0)
-    rows, names = [base], [""]
+    rows, names, fits, unknowns = [base], [""], [r.searched], [0]
     for s in best:
         if s.id in refitted:
             rows.append(refitted[s.id])
         else:
             # beyond the best refit a linear prediction promises what nobody can keep
             drop = min(s.drop, max(r.searched.cost - lowest, 0.0)) if refitted else s.drop
-            rows.append(base + share * (0.5 * drop / scale - penalty * len(s.variant.unknowns)))
+            rows.append(base + share * 0.5 * drop / scale)
         names.append(s.id)
-    weights = _weights(np.array(rows), seed, policy)
-    return dict(zip(names[1:], weights[1:].tolist(), strict=True))
+        fits.append(r.refits[s.id].fit if s.id in refitted else None)
+        unknowns.append(len(s.variant.unknowns))
+    charge = _charge(r.searched) * np.array(unknowns)
+    charge[1:] += np.log(
+        len(best)
+    )  # that there is nothing more is as likely as all effects together
+    found = weights(Densities(np.array(rows), _apart(fits, group, scale), charge), policy)
+    return dict(zip(names[1:], found[1:].tolist(), strict=True))
