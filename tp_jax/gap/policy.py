@@ -17,8 +17,8 @@ class FoldPolicy:
         periods: of the motion that a span lasts at least; shorter ones resemble their neighbours.
         fewest: groups below which recordings cannot tell one cause from another.
         agreeing: groups that agreed as noise would let them, as which counts what is known of a
-            dispersion before any group is asked: log likelihoods are divided by the misfit already.
-            It counts less where few groups tell, and not where one does.
+            dispersion before any is asked: log likelihoods are divided by the misfit already. No
+            more than there are groups to agree with one another.
         quantiles: of the distribution of a dispersion that a few groups tell, over which
             probabilities are averaged.
     """

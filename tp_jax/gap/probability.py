@@ -138,7 +138,7 @@ def weights(found: Densities, policy: FoldPolicy = POLICY.folds) -> np.ndarray:
         count_of[~known] = np.median(count_of[told])
     # What is common to all errors has been divided by already: before any group is asked the
     # dispersion is one. But one group alone agrees with nothing.
-    before = policy.agreeing * (1.0 - 1.0 / count_of)
+    before = np.minimum(policy.agreeing, count_of - 1.0)
     dispersion = (before + count_of * dispersion) / (before + count_of)
     count_of = before + count_of
     # The power is one over the dispersion, which is one at least. The same quantile for all, or
