@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from tp_jax.recordings.entries import Entry
-from tp_jax.recordings.faults import CampaignError
+from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.formats import Columns
 from tp_jax.recordings.noise import noise_level
 from tp_jax.recordings.recording import Recording
@@ -35,7 +35,12 @@ def check_times(columns: Columns) -> None:
         return
     i = int(bad[0]) + 1
     if t[i] == t[i - 1]:
-        wrong, mend = f"the time {t[i]:g} s is repeated", "remove one of the two rows"
+        again = [columns.numbers[j + 1] for j in bad if t[j + 1] == t[j]]
+        wrong = f"the time {t[i]:g} s is repeated"
+        mend = "remove one of the two rows"
+        if len(again) > 1:
+            wrong = f"the time {t[i]:g} s and others are repeated{in_rows(again)}"
+            mend = "remove one of each two rows"
     else:
         wrong = f"time runs backwards from {t[i - 1]:g} to {t[i]:g} s"
         mend = "put the rows in order of time, or split the file where a new run begins"
@@ -108,8 +113,8 @@ def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
     if bad.size:
         raise CampaignError(
             columns.file,
-            f"{name} is {values[bad[0]]}",
-            "remove the row or write the number measured",
+            f"{name} is {values[bad[0]]}{in_rows([columns.numbers[begin + i] for i in bad])}",
+            "remove the row, a gap in time is understood, or write the number measured",
             columns.numbers[begin + int(bad[0])],
         )
 
