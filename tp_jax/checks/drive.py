@@ -144,22 +144,18 @@ def _look(recording: Recording, policy: DrivePolicy) -> Driven:
     share = fit(t, x, omega, policy.harmonics).share
     if share >= policy.right:
         return Driven(recording, share)
+    at = strongest(t, x)
     found = []
     for mistake in MISTAKES:
-        at = omega * (mistake.seen or 2.0 * math.pi / omega**2)
+        meant = omega * (mistake.seen or 2.0 * math.pi / omega**2)
         fastest = math.pi / float(np.median(np.diff(t)))
-        if at * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods or at > fastest:
+        if meant * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods or meant > fastest:
             continue
-        best = max(
-            (fit(t, x, at * detuned, policy.harmonics).share, at * detuned)
-            for detuned in np.linspace(1.0 - policy.near, 1.0 + policy.near, 61)
-        )
-        if best[0] >= policy.other:
-            found.append((*best, mistake))
-    if share < policy.wrong and found:
-        _, at, mistake = max(found, key=lambda each: each[0])
-        return Driven(recording, share, mistake, at)
-    at = strongest(t, x)
+        for tried in [meant] + ([at] if abs(at / meant - 1.0) < policy.near else []):
+            found.append((fit(t, x, tried, policy.harmonics).share, tried, mistake))
+    best = max(found, key=lambda each: each[0], default=None)
+    if share < policy.wrong and best is not None and best[0] >= policy.other:
+        return Driven(recording, share, best[2], best[1])
     whole = fit(t, x, at, policy.harmonics)
     half = t.size // 2
     first, second = (

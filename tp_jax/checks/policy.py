@@ -46,17 +46,15 @@ class RiderPolicy:
         moving: |H| below which the rider sticks and tells nothing.
         share: of phi2's variance at the drive's frequency and two harmonics, below which H says
             little.
-        wrong: distance of H, from where it can be, above which phi2 is something else; good runs
-            stay below 0.19, delays and crosstalk of sensors included.
-        right: distance below which another reading of phi2 is the right one.
-        runs: share of the runs that tell anything which must agree.
+        wrong: distance of H from where it can be, rms over runs, above which phi2 is something
+            else; no good run is further than 0.20, delays and crosstalk of sensors included.
+        right: distance, rms, up to which another reading of phi2 is the right one.
     """
 
     moving: float = 0.05
     share: float = 0.5
-    wrong: float = 0.35
-    right: float = 0.2
-    runs: float = 0.7
+    wrong: float = 0.25
+    right: float = 0.15
 
 
 @dataclasses.dataclass(frozen=True)

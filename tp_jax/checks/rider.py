@@ -81,14 +81,13 @@ def findings(runs: Sequence[Dragged], policy: RiderPolicy) -> list[Finding]:
     """What phi2 looks like where it cannot be the rider against the column."""
     if not runs:
         return []
-    off = [run for run in runs if misplaced(run.h) > policy.wrong]
-    if len(off) < policy.runs * len(runs):
+    if _rms([misplaced(run.h) for run in runs]) <= policy.wrong:
         return []
-    labels = tuple(run.recording.label for run in off)
+    off = sorted(runs, key=lambda run: -misplaced(run.h))
+    labels = tuple(run.recording.label for run in runs)
     numbers = {"h_real": off[0].h.real, "h_imag": off[0].h.imag}
     rms = {
-        reading: float(np.sqrt(np.mean([misplaced(reading.relative(run.h)) ** 2 for run in off])))
-        for reading in READINGS
+        reading: _rms([misplaced(reading.relative(run.h)) for run in runs]) for reading in READINGS
     }
     likely = min(rms, key=lambda reading: (rms[reading], READINGS.index(reading)))
     if _sticks(off):  # then it goes with the column to the last bit, which no mirrored one does
@@ -104,6 +103,10 @@ def findings(runs: Sequence[Dragged], policy: RiderPolicy) -> list[Finding]:
             )
         ]  # fmt: skip
     return [Finding("rider", "wrong", labels, likely.wrong, likely.mend, numbers)]
+
+
+def _rms(values: Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _sticks(runs: Sequence[Dragged]) -> bool:

@@ -35,10 +35,10 @@ _IN_HEADER = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)
 def named(text: str, units: Mapping[str, float]) -> str | None:
     """The unit that a text names, as the table spells it; None where it names none of them."""
     text = text.strip()
-    for name in (text, _OTHER_NAMES.get(text.lower(), "")):
-        if name in units:
-            return name
-    return None
+    if text in units:
+        return text
+    other = _OTHER_NAMES.get(text.lower())
+    return other if other in units else None
 
 
 def of(column: str) -> Mapping[str, float]:
