@@ -122,7 +122,7 @@ def _entries(found: Sequence[tuple[Path, Survey]]) -> list[str]:
 
 
 def _motion(seen: Survey) -> tuple[float, float, float]:
-    """Frequency [rad/s], its share of the end of the motion, and the part of the swing that lasts."""
+    """Frequency [rad/s], its share of the motion's end, and the part of the swing that lasts."""
     t, x = seen.t, seen.phi1
     if t.size < 60 or not np.all(np.diff(t) > 0.0) or not np.isfinite(x).all():
         return math.nan, 0.0, math.nan

@@ -2,10 +2,10 @@
 
 import os
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -40,6 +40,24 @@ class Campaign:
     sample_rate: float | None
     recordings: tuple[Recording, ...]
     folder: Path
+
+    @staticmethod
+    def from_arrays(
+        recordings: "Iterable[Recording | Mapping[str, Any]]", **given: Any
+    ) -> "Campaign":
+        """A campaign without files.
+
+        Args:
+            recordings: each a `Recording`, or the arguments of `Recording.from_arrays` by name.
+            **given: name, B1, model ("double" or "single"; found out), and B2 and k, each a number
+                that is fixed or a pair (value, standard deviation).
+
+        Raises:
+            InputError: they do not make a campaign.
+        """
+        from tp_jax.recordings.arrays import campaign_from_arrays
+
+        return campaign_from_arrays(recordings, **given)
 
     @property
     def fitted(self) -> tuple[Recording, ...]:

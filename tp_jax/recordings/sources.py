@@ -73,11 +73,17 @@ class FileFormat:
 
 
 def unwrapped(cells: np.ndarray, period: float) -> np.ndarray:
-    """Readings that start anew after `period`, counted on; those that are not finite stay."""
+    """Readings that start anew after `period`, counted on; those that are not finite stay.
+
+    Whole turns are taken off so that the middle of the motion is the one next to zero: otherwise
+    runs that begin a little above zero and a little below would be a turn apart.
+    """
     finite = np.isfinite(cells)
+    if not finite.any():
+        return cells
     counted = cells.copy()
     counted[finite] = np.unwrap(cells[finite], period=period)
-    return counted
+    return counted - period * np.round(np.median(counted[finite]) / period)
 
 
 def values_of(
