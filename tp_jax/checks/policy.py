@@ -1,6 +1,6 @@
 """What decides about recordings: every threshold with its unit and its reason.
 
-At hand were 85 forced runs of clean virtual rigs and 270 of rough ones, with 50 to 1000 samples a
+At hand were 90 forced runs of clean virtual rigs and 339 of rough ones, with 50 to 1000 samples a
 second, 2 to 12 recordings and coloured noise; two free decays and a wheel from laboratories.
 """
 
@@ -15,7 +15,7 @@ class DrivePolicy:
         part: of a run, at its end, that is looked at: starting up is over in it.
         harmonics: of the drive's frequency that count, itself among them.
         right: share of phi1's variance at them above which nothing is said. Good runs have at
-            least 0.93; milliseconds read as seconds 0.006 at most, Hz read as rad/s 0.022.
+            least 0.83; milliseconds read as seconds 0.006 at most, Hz read as rad/s 0.022.
         wrong: share below which another frequency is looked for.
         other: share that another frequency must have to be the one that the run was driven at.
         near: part by which a unit's factor may miss it; the motor need not turn as commanded.

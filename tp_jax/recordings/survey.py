@@ -28,6 +28,8 @@ _WORDS = {
 }
 """What people call the columns, in the languages that turned up."""
 
+_MEND = "leave it out, or export it as CSV"
+
 LONGEST_STEP = 0.5
 """Step [s] above which times are taken for milliseconds: no torsion pendulum is so slow."""
 
@@ -78,9 +80,11 @@ def survey(file: Path) -> Survey:
     else:
         lines = as_lines(file, raw)
         layout = layout_of(lines, FileFormat())
+        if layout.first >= len(lines.text):
+            raise CampaignError(file, "there are no rows of numbers in it", _MEND)
         names = layout.header
         below = layout.below
-        width = len(split(lines.text[layout.first], layout.delimiter)) if lines.text else 0
+        width = len(split(lines.text[layout.first], layout.delimiter))
         told = [
             (units.parted(names[i])[1] if i < len(names) else "")
             or (below[i].strip("[]() ") if i < len(below) else "")
@@ -95,9 +99,7 @@ def survey(file: Path) -> Survey:
                 lines, layout.first, {"t": i}, layout.delimiter, layout.decimal, layout.like
             )["t"]
     if len(columns) < 2:
-        raise CampaignError(
-            file, "there are no two columns of numbers in it", "leave it out, or export it as CSV"
-        )
+        raise CampaignError(file, "there are no two columns of numbers in it", _MEND)
     which = _which(names, columns)
     sources, why = {}, {}
     for name, i in which.items():
