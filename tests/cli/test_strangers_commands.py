@@ -30,7 +30,8 @@ def _run(name: str) -> tuple[np.ndarray, ...]:
 
 
 def _german(t, a, b) -> str:
-    rows = [f"{1e3 * x:.6f};{np.degrees(y):.9f};{np.degrees(z):.9f}" for x, y, z in zip(t, a, b, strict=True)]
+    columns = zip(1e3 * t, np.degrees(a), np.degrees(b), strict=True)
+    rows = [f"{x:.6f};{y:.9f};{z:.9f}" for x, y, z in columns]
     return "\n".join(["Prüfstand 2;;", "Zeit [ms];Winkel1 [°];Winkel2 [°]", *rows]).replace(
         ".", ","
     )
@@ -44,7 +45,8 @@ def _bare(t, a, b) -> str:
 
 def _counts(t, a, b) -> str:
     x, y = (np.floor(each % TURN / TURN * 4096.0).astype(int) for each in (a, b))
-    rows = "\n".join(f"{i},{s:.6f},{p},{q}" for i, (s, p, q) in enumerate(zip(t, x, y, strict=True)))
+    columns = zip(range(t.size), t, x, y, strict=True)
+    rows = "\n".join(f"{i},{s:.6f},{p},{q}" for i, s, p, q in columns)
     return f"sample,time,encoder1,encoder2\n{rows}"
 
 
