@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from tp_jax.checks.harmonics import end_of, fit, strongest
+from tp_jax.checks.survey import Survey, survey
 from tp_jax.recordings import CampaignError
 from tp_jax.recordings.sources import ColumnSource
-from tp_jax.recordings.survey import Survey, survey
 
 NOT_DATA = {
     ".toml", ".md", ".json", ".html", ".py", ".ipynb", ".png", ".jpg", ".jpeg", ".svg", ".pdf",

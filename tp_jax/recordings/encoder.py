@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_LONG_STEP = 2.5
-"""Step over the usual one beyond which nobody knows what an angle did meanwhile; as in `gaps`."""
+from tp_jax.recordings.gaps import LONGEST_STEP
 
 _USUAL_PERIODS = (
     2.0 * math.pi, math.pi, 360.0, 180.0, 400.0, 1.0, 1000.0,
@@ -63,7 +62,7 @@ def leaps(t: np.ndarray, angle: np.ndarray, policy: WrapPolicy | None = None) ->
     steps, ways = np.diff(t), np.diff(angle)
     if not ways.size:
         return None
-    side_by_side = steps < _LONG_STEP * np.median(steps)
+    side_by_side = steps < LONGEST_STEP * np.median(steps)
     size = np.where(side_by_side, np.abs(ways), 0.0)
     far = size > max(policy.leap * float(np.ptp(angle)), policy.least)
     if not far.any():

@@ -9,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from tp_jax.checks.policy import SamplingPolicy
 from tp_jax.recordings import units
 from tp_jax.recordings.cells import parse, split
+from tp_jax.recordings.checks import WIDEST_PHI1
 from tp_jax.recordings.clock_times import is_date_or_clock
 from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.faults import CampaignError
@@ -29,12 +31,6 @@ _WORDS = {
 """What people call the columns, in the languages that turned up."""
 
 _MEND = "leave it out, or export it as CSV"
-
-LONGEST_STEP = 0.5
-"""Step [s] above which times are taken for milliseconds: no torsion pendulum is so slow."""
-
-WIDEST = 12.0
-"""Span [rad] above which an angle is taken for degrees; as in `checks.WIDEST_PHI1`."""
 
 
 @dataclass(frozen=True)
@@ -155,7 +151,7 @@ def _source(
         if is_date:
             return source, "dates or clock times, in seconds from the first"
         step = float(np.median(np.diff(cells)))
-        guess = "us" if step >= 500.0 else "ms" if step > LONGEST_STEP else None
+        guess = "us" if step >= 500.0 else "ms" if step > SamplingPolicy().longest_step else None
         return replace(source, unit=guess), f"steps of {step:.4g}"
     else:
         width = float(np.ptp(cells))
@@ -163,7 +159,7 @@ def _source(
             counts = 2.0 ** max(8, int(np.ceil(np.log2(width + 1.0))))
             source = replace(source, counts=counts)
             why = f"whole numbers that span {width:g}; correct the counts of a whole turn"
-        elif width > WIDEST:
+        elif width > WIDEST_PHI1:
             source, why = replace(source, unit="deg"), f"spans {width:.4g}"
         else:
             why = f"spans {width:.4g}"
