@@ -141,7 +141,9 @@ def _look(recording: Recording, policy: DrivePolicy) -> Driven:
     omega = recording.omega or 0.0
     part = end_of(recording.t, policy.part)
     t, x = recording.t[part], recording.phi1[part]
-    share = fit(t, x, omega, policy.harmonics).share
+    # harmonics of a frequency that has hardly a period there fit any motion
+    few = omega * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods
+    share = fit(t, x, omega, 1 if few else policy.harmonics).share
     if share >= policy.right:
         return Driven(recording, share)
     at = strongest(t, x)

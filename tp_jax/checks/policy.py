@@ -1,6 +1,6 @@
 """What decides about recordings: every threshold with its unit and its reason.
 
-At hand were 90 forced runs of clean virtual rigs and 339 of rough ones, with 50 to 1000 samples a
+At hand were 85 forced runs of clean virtual rigs and 339 of rough ones, with 50 to 1000 samples a
 second, 2 to 12 recordings and coloured noise; two free decays and a wheel from laboratories.
 """
 
@@ -19,7 +19,8 @@ class DrivePolicy:
         wrong: share below which another frequency is looked for.
         other: share that another frequency must have to be the one that the run was driven at.
         near: part by which a unit's factor may miss it; the motor need not turn as commanded.
-        periods: of the drive that the part looked at must hold for a frequency to be seen.
+        periods: of the drive that the part looked at must hold for a frequency to be seen; with
+            fewer the fundamental alone counts.
         steady: part by which the amplitude may differ between both halves; what dies out is the
             pendulum's own swing, whose frequency is nobody's mistake.
     """
