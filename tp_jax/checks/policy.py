@@ -15,7 +15,8 @@ class DrivePolicy:
         part: of a run, at its end, that is looked at: starting up is over in it.
         harmonics: of the drive's frequency that count, itself among them.
         right: share of phi1's variance at them above which nothing is said. Good runs have at
-            least 0.83; milliseconds read as seconds 0.006 at most, Hz read as rad/s 0.022.
+            least 0.83 (clean ones 0.988); clean ones with milliseconds read as seconds 0.006 at
+            most, with Hz read as rad/s 0.09.
         wrong: share below which another frequency is looked for.
         other: share that another frequency must have to be the one that the run was driven at.
         near: part by which a unit's factor may miss it; the motor need not turn as commanded.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tp_jax.checks.harmonics import end_of, fit, strongest
+from tp_jax.checks.harmonics import end_of, fit, refined, strongest
 from tp_jax.checks.survey import Survey, survey
 from tp_jax.recordings import CampaignError
 from tp_jax.recordings.sources import ColumnSource
@@ -115,7 +115,7 @@ def _entries(found: Sequence[tuple[Path, Survey]]) -> list[str]:
         else:
             lines.append("forced = true")
             lines.append(
-                f"omega = {omega:.4g}  # rad/s, as it moves ({share:.0%} of it); write what was "
+                f"omega = {omega:.6g}  # rad/s, as it moves ({share:.0%} of it); write what was "
                 "commanded"
             )
     return lines
@@ -128,6 +128,6 @@ def _motion(seen: Survey) -> tuple[float, float, float]:
         return math.nan, 0.0, math.nan
     thirds = [float(np.std(part)) for part in np.array_split(x, 3)]
     end = end_of(t, 0.6)
-    omega = strongest(t[end], x[end])
+    omega = refined(t[end], x[end], strongest(t[end], x[end]))
     lasts = thirds[-1] / max(thirds) if max(thirds) else math.nan
     return omega, fit(t[end], x[end], omega).share, lasts
