@@ -82,6 +82,21 @@ def test_every_command_is_described(site):
             assert f"tp-jax {command[1]}" in page
 
 
+def test_examples_of_commands_can_be_typed():
+    """Each is parsed; nothing is run."""
+    import shlex
+
+    from scripts._docs.commands import EXAMPLES
+    from tp_jax.cli import build_parser
+
+    for name, lines in EXAMPLES.items():
+        for line in lines:
+            program, *argv = shlex.split(line, comments=True)
+            assert program == "tp-jax"
+            assert " ".join(argv).startswith(name)
+            build_parser().parse_args(argv)
+
+
 def test_every_public_name_is_described(site):
     import tp_jax as tp
 

@@ -25,6 +25,7 @@ ALLOWED: dict[str, set[str]] = {
     "effects": {"model"},
     "simulation": {"_compiler", "model", "effects"},
     "recordings": set(),
+    "checks": {"recordings"},
     "acquisition": {"recordings"},
     "estimation": {"_stored", "model", "effects", "simulation", "recordings"},
     "identifiability": {"model", "effects", "simulation", "recordings", "estimation"},
@@ -47,7 +48,15 @@ ALLOWED: dict[str, set[str]] = {
     "gap": {"model", "effects", "simulation", "recordings", "estimation", "identifiability"},
     # its simulator is to be independent of the model it puts to the test
     "rig": {"recordings", "acquisition"},
-    "report": {"model", "effects", "simulation", "recordings", "estimation", "gap"},
+    "report": {
+        "model",
+        "effects",
+        "simulation",
+        "recordings",
+        "checks",
+        "estimation",
+        "gap",
+    },
     "blind": {"effects", "recordings", "estimation", "gap", "rig"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}
@@ -58,6 +67,7 @@ JAX = {"jax", "jaxlib", "jaxtyping", "equinox", "diffrax", "optimistix", "lineax
 FORBIDDEN = {
     "recordings": JAX,
     "acquisition": JAX,
+    "checks": JAX,
     "errors": {*JAX, "numpy", "scipy"},
     "_files": {*JAX, "numpy", "scipy"},
     "_memory": {*JAX, "numpy", "scipy"},
@@ -173,7 +183,7 @@ def test_importing_the_package_loads_nothing_heavy():
     assert loaded_after("import tp_jax").isdisjoint({*JAX, "numpy", "scipy", "rich", "matplotlib"})
 
 
-@pytest.mark.parametrize("name", ["recordings", "acquisition"])
+@pytest.mark.parametrize("name", ["recordings", "acquisition", "checks"])
 def test_loads_without_jax(name):
     if not (PACKAGE / name).is_dir():
         pytest.skip(f"there is no tp_jax.{name} yet")

@@ -55,6 +55,12 @@ def test_has_a_title_and_is_kept_with_a_picture_at_its_end(path):
     assert any("image/png" in o.get("data", {}) for o in cells[-1].get("outputs", [])), REMAKE
 
 
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_every_figure_is_kept_as_a_picture(path):
+    figures = [o for o in outputs(kept(path)) if said(o).startswith("<Figure size")]
+    assert all("image/png" in o["data"] for o in figures), REMAKE
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_runs_and_ends_in_a_picture(path, tmp_path, monkeypatch):

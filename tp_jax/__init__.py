@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tp_jax import effects as effects
     from tp_jax import report as report
     from tp_jax._config import enable_compilation_cache as enable_compilation_cache
+    from tp_jax.checks import check as check
     from tp_jax.errors import InputError as InputError
     from tp_jax.estimation.identify import identify as identify
     from tp_jax.gap.diagnosis import Diagnosis as Diagnosis
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from tp_jax.simulation.sensitivities import Sensitivities as Sensitivities
     from tp_jax.simulation.sensitivities import sensitivities as sensitivities
     from tp_jax.simulation.solve import Trajectory as Trajectory
+    from tp_jax.simulation.solve import accelerations as accelerations
     from tp_jax.simulation.solve import simulate as simulate
     from tp_jax.simulation.sweep import Sweep as Sweep
     from tp_jax.simulation.sweep import sweep as sweep
@@ -50,6 +52,7 @@ _WITHOUT_JAX = {
     "Campaign": ("tp_jax.recordings", "Campaign"),
     "CampaignError": ("tp_jax.recordings", "CampaignError"),
     "InputError": ("tp_jax.errors", "InputError"),
+    "check": ("tp_jax.checks", "check"),
     "Recording": ("tp_jax.recordings", "Recording"),
     "load_campaign": ("tp_jax.recordings", "load_campaign"),
 }
@@ -61,6 +64,7 @@ _WITH_JAX = {
     "SingleTorsionPendulum": ("tp_jax.model.pendulum", "SingleTorsionPendulum"),
     "Sweep": ("tp_jax.simulation.sweep", "Sweep"),
     "Trajectory": ("tp_jax.simulation.solve", "Trajectory"),
+    "accelerations": ("tp_jax.simulation.solve", "accelerations"),
     "diagnose": ("tp_jax.gap.diagnosis", "diagnose"),
     "enable_compilation_cache": ("tp_jax._config", "enable_compilation_cache"),
     "effects": ("tp_jax.effects", None),
@@ -87,6 +91,8 @@ __all__ = [
     "Sweep",
     "Trajectory",
     "__version__",
+    "accelerations",
+    "check",
     "diagnose",
     "effects",
     "enable_compilation_cache",

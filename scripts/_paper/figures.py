@@ -11,7 +11,7 @@ from scripts._paper.scale import Scale
 from scripts._paper.truth import OMEGA
 from tp_jax.model import presets
 from tp_jax.report import style
-from tp_jax.simulation.solve import simulate
+from tp_jax.simulation.solve import accelerations, simulate
 
 COLOURS = {
     "Nelder-Mead, 50 iterations": style.BAND,
@@ -54,11 +54,11 @@ def _figure_9(scale: Scale):
     """Angles, velocities and accelerations of Section 5.1."""
     model = presets.get("paper-5.1")
     m = simulate(model, scale.ts)
-    rates = model.derivative(m.t, (m.phi1, m.phi2, m.omega1, m.omega2))
+    column, rider = accelerations(model, m)
     rows = (
         ("angle [rad]", m.phi1, m.phi2),
         ("velocity [rad/s]", m.omega1, m.omega2),
-        ("acceleration [rad/s²]", rates[2], rates[3]),
+        ("acceleration [rad/s²]", column, rider),
     )
     figure = style.new_figure(style.WIDE, 6.0)
     grid = figure.subplots(3, 2, sharex=True)

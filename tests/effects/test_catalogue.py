@@ -52,7 +52,7 @@ every_effect = pytest.mark.parametrize("effect", catalogue().values(), ids=list(
 modules = [
     m.name
     for m in pkgutil.iter_modules(tp_jax.effects.__path__)
-    if m.name not in ("base", "registry")
+    if m.name not in ("base", "registry", "trial")
 ]
 
 
@@ -175,6 +175,42 @@ def test_a_faulty_effect_is_refused(change, said):
     with pytest.raises(ValueError, match=said):
         register(type("Faulty", (Own,), change))
     assert set(catalogue()) == before
+
+
+def _changed(increment, **change):
+    return type("Faulty", (Own,), {"increment": increment, **change})
+
+
+@pytest.mark.parametrize(
+    ("faulty", "said"),
+    [
+        (_changed(lambda self, m, b: b * m.phi1), r"unexpected keyword argument 'a'.*self, m, a"),
+        (_changed(lambda self, m, a: a * m.angle), "no attribute 'angle'"),
+        (_changed(lambda self, m, a: a * m.v1**0.5), "no finite number"),
+        (_changed(lambda self, m, a: a * m.phi1[:3]), "cannot be evaluated"),
+        (_changed(lambda self, m, a: a * m.phi1, needs=frozenset({"ridr"})), "needs ridr"),
+    ],
+)
+def test_a_formula_that_fails_is_refused_where_it_is_registered(faulty, said):
+    with pytest.raises(ValueError, match=said):
+        register(faulty)
+    assert "own_spring" not in catalogue()
+
+
+@every_effect
+def test_says_what_to_do(effect):
+    assert effect.remedy
+    assert not effect.remedy.endswith(".")
+
+
+def test_an_effect_of_ones_own_brings_its_clause():
+    from tp_jax.report import words
+
+    register(type("Told", (Own,), {"says": "the spring is odd"}))
+    try:
+        assert words.effect("own_spring") == "the spring is odd"
+    finally:
+        unregister("own_spring")
 
 
 def test_an_effect_must_define_its_increment():

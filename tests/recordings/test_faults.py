@@ -217,7 +217,11 @@ def _infinite(t, phi1, phi2):
 
 DATA_FAULTS = {
     "infinity": (_infinite, ", line 43: ", ["phi2 is inf", "remove"]),
-    "degrees": (lambda t, a, b: (t, np.degrees(a), np.degrees(b)), ": ", ["degrees", "scale ="]),
+    "degrees": (
+        lambda t, a, b: (t, np.degrees(a), np.degrees(b)),
+        ": ",
+        ["degrees", 'unit = "deg"'],
+    ),
     "constant": (lambda t, a, b: (t, 0.0 * a, b), ": ", ["phi1 does not move", "sensor"]),
     "noise alone": (lambda t, a, b: (t, a - 0.5 * np.sin(13.0 * t), b), ": ", ["does not move"]),
     "few samples": (lambda *all_: tuple(each[:49] for each in all_), ": ", ["49 samples", "50"]),
@@ -248,15 +252,19 @@ def test_a_column_that_turns_round_and_round(campaign_folder, edit, write_run, r
 
 
 @pytest.mark.parametrize(
-    "spoil", [lambda x: np.degrees(x), lambda x: x - 2.0 * np.pi * np.round(x / (2.0 * np.pi))]
+    ("spoil", "mend"),
+    [
+        (lambda x: np.degrees(x), 'unit = "deg"'),
+        (lambda x: x - 2.0 * np.pi * np.round(x / (2.0 * np.pi)), "wrap = true"),
+    ],
 )
-def test_turns_that_are_not_counted(spoil, campaign_folder, edit, write_run, run_columns):
+def test_turns_that_are_not_counted(spoil, mend, campaign_folder, edit, write_run, run_columns):
     t, _, phi2 = run_columns
     write_run(RUN, "t,phi1,phi2", t, spoil(_winding(t)), phi2)
     edit(TOML, "[rig]", "[rig]\nrotates = true")
     message = told(campaign_folder)
     assert "phi1 leaps" in message
-    assert "degrees" in message
+    assert mend in message
 
 
 def test_a_leap_across_a_gap_is_none(campaign_folder, edit, write_run, run_columns):

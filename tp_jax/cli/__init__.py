@@ -20,8 +20,12 @@ def build_parser() -> Parser:
     from tp_jax.cli import (
         blind,
         calibrate,
+        check,
+        compare,
         diagnose,
+        effects,
         identify,
+        init,
         predict,
         record,
         rig,
@@ -46,10 +50,14 @@ def build_parser() -> Parser:
         calibrate,
         record,
         rig,
+        init,
+        check,
         identify,
         sensitivity,
         diagnose,
+        compare,
         predict,
+        effects,
         blind,
     ):
         command.add_parser(subparsers)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from tp_jax.errors import InputError
+from tp_jax.errors import InputError, Notice
 
 if TYPE_CHECKING:
     from tp_jax.recordings import Campaign
@@ -293,7 +293,21 @@ def add_campaign(parser: argparse.ArgumentParser, *, default: str | None = None)
 
 
 def load(args: argparse.Namespace, path: str | Path) -> "Campaign":
-    """The campaign that `add_campaign`'s arguments speak of."""
+    """The campaign that `add_campaign`'s arguments speak of, if its recordings can be right.
+
+    What is doubtful about them is a `Notice`.
+
+    Raises:
+        InputError: something is certainly wrong.
+    """
+    import warnings
+
+    from tp_jax.checks import examine
     from tp_jax.recordings import load_campaign
 
-    return load_campaign(path, omega=args.omega, decay=args.decay)
+    campaign = load_campaign(path, omega=args.omega, decay=args.decay)
+    checked = examine(campaign)
+    checked.refuse()
+    for each in checked.doubtful:
+        warnings.warn(each.sentence, Notice, stacklevel=2)
+    return campaign

@@ -101,6 +101,9 @@ class Effect:
         reads_later: the amplitude [s] by which it has a measured drive read later, if it does;
             its increment is then `m.later` of it.
         formula, source, looks_like: for people.
+        says: what happens, as a clause behind "the cause:"; an effect of the catalogue has it in
+            `tp_jax.report.words`, which a report needs without JAX.
+        remedy: what to look at or to do about it at the rig.
     """
 
     id: ClassVar[str] = ""
@@ -118,6 +121,8 @@ class Effect:
     formula: ClassVar[str] = ""
     source: ClassVar[str] = ""
     looks_like: ClassVar[str] = ""
+    says: ClassVar[str] = ""
+    remedy: ClassVar[str] = ""
 
     def increment(self, m: Motion, **values: Any) -> Any:
         """What the effect adds to its quantity at one instant.

@@ -15,6 +15,9 @@ class BearingDrag(Effect):
     formula = "a v1 |v1|"
     source = "air drag at higher speed"
     looks_like = "large swings decay faster than small ones"
+    remedy = (
+        "look for large vanes or a damper on the column; shield it from air, or keep to low speeds"
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

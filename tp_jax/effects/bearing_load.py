@@ -19,6 +19,9 @@ class BearingLoad(Effect):
         "models M3 to M6 (M3 has Kl |load|)"
     )
     looks_like = "too little friction where the spring is wound, and damping at all amplitudes"
+    remedy = (
+        "relieve the bearing of side load: align the spring with the axis, or use a larger bearing"
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -14,6 +14,7 @@ class BearingWarmup(Effect):
     formula = "(M1 S + c1 v1)(1 + a s)"
     source = "Section 6 of the paper"
     looks_like = "too much damping at first, too little later"
+    remedy = "let the rig run some minutes before recording; note the bearing's temperature"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

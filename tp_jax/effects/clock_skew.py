@@ -14,6 +14,7 @@ class ClockSkew(Effect):
     formula = "recorded t = (1 + a) true t"
     source = "crystal oscillators, RC oscillators of small controllers"
     looks_like = "an error that grows with time in forced runs"
+    remedy = "time a long run with another clock, and correct the recorder's sample rate"
 
     def increment(self, m, a):  # type: ignore[override]  # noqa: ARG002
         """See the class."""

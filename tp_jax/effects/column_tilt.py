@@ -17,6 +17,10 @@ class ColumnTilt(Effect):
     formula = "-(a sin phi1 + b cos phi1)"
     source = "Section 6 of the paper"
     looks_like = "a shifted rest position and a changed stiffness"
+    remedy = (
+        "set the column upright with a spirit level and balance it; turn the rig by half a "
+        "turn and record again"
+    )
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

@@ -16,6 +16,10 @@ class ContactAsymmetry(Effect):
     formula = "(Ts1 + Tst term)(S + a |S|)"
     source = "Armstrong-Helouvry et al. (1994), Automatica 30"
     looks_like = "the rider creeps round in one direction"
+    remedy = (
+        "slide the rider slowly by hand both ways; turn the contact parts round and see "
+        "whether the sense turns too"
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

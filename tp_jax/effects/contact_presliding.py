@@ -27,6 +27,7 @@ class ContactPresliding(Effect):
     formula = "(1 - a)(Ts1 S + Tst term) + a (Ts1 + |Tst term|) z / z0, z' = v2 - |v2| z / z0"
     source = "Dahl (1968); Armstrong-Helouvry, Dupont, Canudas de Wit (1994)"
     looks_like = "a stuck rider that still moves a little, and rings when it stops"
+    remedy = "use a stiffer or thinner contact pad; record small motions in which the rider sticks"
 
     def increment(self, m, a, z0):  # type: ignore[override]
         """See the class."""

@@ -17,6 +17,10 @@ class ContactStribeck(Effect):
     formula = "(Ts1 S + Tst term)(1 + a exp(-(v2 / vs)^2))"
     source = "Stribeck (1902); Armstrong-Helouvry (1991)"
     looks_like = "the rider sticks longer, then slides further"
+    remedy = (
+        "clean or change the contact's surfaces; a pad of PTFE has less friction at rest; "
+        "record a decay and a run near 13 rad/s again"
+    )
 
     def increment(self, m, a, vs):  # type: ignore[override]
         """See the class."""

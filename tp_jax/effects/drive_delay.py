@@ -28,6 +28,7 @@ class DriveDelay(Effect):
     formula = "f_e(t) = gain reading(t + a)"
     source = "filters, converters and cameras that read drive and angles one after the other"
     looks_like = "an error in the shape of the drive's velocity"
+    remedy = "record the drive with the same clock and filter as the angles"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -14,6 +14,10 @@ class DriveFrequency(Effect):
     formula = "theta = (omega_r + a_r) t"
     source = "stepper drives: missed pulses, wrong clock"
     looks_like = "an error that grows with time within each forced run"
+    remedy = (
+        "count the motor's turns in a minute and write that omega; supply it with a steady "
+        "voltage, or control its speed"
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

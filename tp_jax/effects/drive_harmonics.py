@@ -18,6 +18,7 @@ class DriveHarmonics(Effect):
     formula = "f = A (sin theta + a sin 2 theta + b (cos 2 theta - 1))"
     source = "Section 6 of the paper"
     looks_like = "a second harmonic of the drive in both angles"
+    remedy = "lengthen the connecting rod, or measure the arm's angle and give it as drive"
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

@@ -19,6 +19,10 @@ class DriveSteps(Effect):
     formula = "theta + a (q round(theta / q) - theta)"
     source = "stepper motors, 1.8 degrees a step and fractions"
     looks_like = "ripple at the step rate"
+    remedy = (
+        "use microsteps or a belt between motor and crank; avoid frequencies at which steps "
+        "excite the column"
+    )
 
     def increment(self, m, a, q):  # type: ignore[override]
         """See the class."""

@@ -14,6 +14,7 @@ class ReactionFactor(Effect):
     formula = "B1 v1' = ... + (1 + a) M_T"
     source = "the factor 2 of equation (16a)"
     looks_like = "inertias that do not agree with those given"
+    remedy = "keep the factor at 1, which Newton's third law asks for; the paper prints 2"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

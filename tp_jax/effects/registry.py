@@ -7,9 +7,10 @@ import pkgutil
 import warnings
 
 from tp_jax.effects.base import CHANNELS, HOOKS, Effect
+from tp_jax.effects.trial import tried
 from tp_jax.errors import Notice
 
-_PLAIN = {"base", "registry"}
+_PLAIN = {"base", "registry", "trial"}
 _registered: dict[str, Effect] = {}
 
 
@@ -46,7 +47,8 @@ def _plugged_in(entry: importlib.metadata.EntryPoint) -> Effect:
     made = entry.load()()
     if not isinstance(made, Effect):
         raise TypeError(f"{entry.value} makes no tp_jax.effects.Effect, but {type(made).__name__}")
-    return _checked(made)
+    tried(_checked(made))
+    return made
 
 
 def _left_out(entry: importlib.metadata.EntryPoint, fault: BaseException) -> str:
@@ -79,13 +81,14 @@ def register(effect: type[Effect] | Effect) -> type[Effect] | Effect:
     """Adds an effect of one's own to the catalogue; usable as a class decorator.
 
     Raises:
-        ValueError: if the class lacks an id, location, hook, amplitude or increment, or if its id
-            is taken.
+        ValueError: if the class lacks an id, location, hook, amplitude or increment, if its id is
+            taken, or if its formula cannot be evaluated on a few motions.
     """
     instance = effect() if isinstance(effect, type) else effect
     if instance.id in _built_in():
         raise ValueError(f"Effect {instance.id!r} is in the catalogue already; choose another id.")
-    _registered[instance.id] = _checked(instance)
+    tried(_checked(instance))
+    _registered[instance.id] = instance
     return effect
 
 

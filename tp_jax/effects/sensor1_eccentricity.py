@@ -19,6 +19,9 @@ class Sensor1Eccentricity(Effect):
     formula = "y1 = phi1 + a sin phi1 + b (cos phi1 - 1)"
     source = "one reading head on a disc or magnet off its axis: an error of one period a turn"
     looks_like = "readings too large on one side of the turn and too small on the other"
+    remedy = (
+        "centre the disc of sensor 1 on its axis; a second reading head opposite cancels the error"
+    )
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

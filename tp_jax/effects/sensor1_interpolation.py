@@ -23,6 +23,7 @@ class Sensor1Interpolation(Effect):
         "signals have n = 2, unlike sizes and a wrong phase between them n = 4"
     )
     looks_like = "an error that repeats within the turn, whatever the speed"
+    remedy = "trim offset, gain and phase of the two signals of sensor 1, as tp-jax calibrate does"
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""

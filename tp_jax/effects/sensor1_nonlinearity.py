@@ -15,6 +15,7 @@ class Sensor1Nonlinearity(Effect):
     formula = "y1 = phi1 + a (sin(2 phi1) / 2 - phi1)"
     source = "Section 6 of the paper; HMC1512: bridge voltage goes with sin(2 theta)"
     looks_like = "large angles read too small"
+    remedy = "calibrate sensor 1 against known angles, as tp-jax calibrate does"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -16,6 +16,7 @@ class Sensor2Nonlinearity(Effect):
     formula = "y2 = phi2 + a (sin(2 phi2) / 2 - phi2)"
     source = "Section 6 of the paper; HMC1512: bridge voltage goes with sin(2 theta)"
     looks_like = "large angles read too small"
+    remedy = "calibrate sensor 2 against known angles, as tp-jax calibrate does"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -14,6 +14,10 @@ class SensorCrosstalk(Effect):
     formula = "y2 = phi2 + a phi1"
     source = "two bridges near the same magnets"
     looks_like = "a stuck rider seems to move with the column"
+    remedy = (
+        "hold the rider fast to the column and turn both: phi2 must stay; if it is measured "
+        'against the base, write minus = "phi1"'
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

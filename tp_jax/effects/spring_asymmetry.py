@@ -16,6 +16,10 @@ class SpringAsymmetry(Effect):
     formula = "k (d + a |d|)"
     source = "Section 6 of the paper"
     looks_like = "peaks of one sign larger than those of the other"
+    remedy = (
+        "twist the spring by equal weights both ways and note the angles; mount it without "
+        "slack, or use two opposed springs"
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -14,6 +14,9 @@ class SpringHardening(Effect):
     formula = "k (d + a d^3)"
     source = "Section 6 of the paper"
     looks_like = "the natural frequency depends on the amplitude"
+    remedy = (
+        "measure torque against angle with weights; keep to small angles, or use a longer spring"
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

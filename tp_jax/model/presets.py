@@ -10,7 +10,12 @@ from tp_jax.model.bearing import Bearing
 from tp_jax.model.contact import Contact
 from tp_jax.model.drive import SineDrive
 from tp_jax.model.parameters import DEFAULT_EPS, PAPER_EPS
-from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION, DoubleTorsionPendulum
+from tp_jax.model.pendulum import (
+    NEWTON_REACTION,
+    PRINTED_REACTION,
+    DoubleTorsionPendulum,
+    SingleTorsionPendulum,
+)
 from tp_jax.model.spring import LinearSpring
 
 _PRESETS: dict[str, dict[str, float]] = {
@@ -65,6 +70,25 @@ def double_pendulum(
         B1=B1,
         B2=B2,
         reaction=reaction,
+        terms=terms,
+    )
+
+
+def single_pendulum(
+    *,
+    B1: float, k: float, A: float, omega: float, c1: float, M1: float,
+    eps: float = DEFAULT_EPS, phase: float = 0.0, terms: tuple = (),
+) -> SingleTorsionPendulum:  # fmt: skip
+    """A sine-driven column without a rider, from plain numbers in SI units.
+
+    Example:
+        >>> column = single_pendulum(B1=1.2e-3, k=0.45, A=0.18, omega=13.09, c1=2.2e-3, M1=5e-3)
+    """
+    return SingleTorsionPendulum(
+        drive=SineDrive(A=A, omega=omega, offset=phase),
+        spring=LinearSpring(k),
+        bearing=Bearing(c1=c1, M1=M1, eps=eps),
+        B1=B1,
         terms=terms,
     )
 

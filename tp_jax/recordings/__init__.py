@@ -1,9 +1,14 @@
 """Recordings of a rig, and the campaigns they make: reading, checking, writing.
 
-    lines, cells -> formats     data files to columns of numbers
-    sections -> entries         campaign.toml to what it says
+    kinds                       what a file is by its first bytes
+    lines, cells -> layout      a text to its cells; clock_times
+    readers -> tables           other files, each kind by a library
+    units, sources -> formats   data files to columns in seconds and radians
+    sections -> format_section, entries    campaign.toml to what it says
     recording, checks           one run, and whether it can be what it is said to be
+    encoder                     readings that start anew after a turn
     campaign                    all of them together: `load_campaign`
+    arrays                      recordings and campaigns without files
     gaps                        where samples were lost
     noise, smooth, holdout      noise levels, starting states, what is never fitted
     calibration_error           how far a calibration may have put the angles off

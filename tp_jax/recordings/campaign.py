@@ -2,8 +2,10 @@
 
 import os
 from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 
@@ -39,6 +41,24 @@ class Campaign:
     recordings: tuple[Recording, ...]
     folder: Path
 
+    @staticmethod
+    def from_arrays(
+        recordings: "Iterable[Recording | Mapping[str, Any]]", **given: Any
+    ) -> "Campaign":
+        """A campaign without files.
+
+        Args:
+            recordings: each a `Recording`, or the arguments of `Recording.from_arrays` by name.
+            **given: name, B1, model ("double" or "single"; found out), and B2 and k, each a number
+                that is fixed or a pair (value, standard deviation).
+
+        Raises:
+            InputError: they do not make a campaign.
+        """
+        from tp_jax.recordings.arrays import campaign_from_arrays
+
+        return campaign_from_arrays(recordings, **given)
+
     @property
     def fitted(self) -> tuple[Recording, ...]:
         """The recordings that may be fitted."""
@@ -73,7 +93,33 @@ def load_campaign(
     Raises:
         CampaignError: anything that keeps the campaign from being used, in one sentence.
     """
-    path = Path(path)
+    toml, plan = _planned(Path(path), omega, decay)
+    return cast(Campaign, _load(toml, plan, _raise))
+
+
+def load_what_can_be(
+    path: str | os.PathLike[str], *, omega: float | None = None, decay: bool = False
+) -> tuple[Campaign | None, list[CampaignError]]:
+    """As `load_campaign`, but with all faults at once.
+
+    Returns:
+        The campaign of the recordings that are without fault, None where there are none, and the
+        faults.
+    """
+    faults: list[CampaignError] = []
+    try:
+        toml, plan = _planned(Path(path), omega, decay)
+        return _load(toml, plan, faults.append), faults
+    except CampaignError as fault:
+        return None, [*faults, fault]
+
+
+def _raise(fault: CampaignError) -> None:
+    raise fault
+
+
+def _planned(path: Path, omega: float | None, decay: bool) -> tuple[Path, Plan]:
+    """The campaign.toml or single data file, and what is to be read."""
     if not os.path.exists(path):  # False also for what could be no name at all
         raise CampaignError(
             path,
@@ -88,14 +134,14 @@ def load_campaign(
             "write one, or name a single data file with --omega W or --decay",
         )
     if toml.suffix.lower() != ".toml":
-        return _load(toml, _plan_of_one(path, omega, decay))
+        return toml, _plan_of_one(path, omega, decay)
     if omega is not None or decay:
         raise CampaignError(
             toml,
             "--omega and --decay are for a single data file",
             "leave them out, the campaign.toml says how each recording was driven",
         )
-    return _load(toml, read_plan(toml))
+    return toml, read_plan(toml)
 
 
 def _plan_of_one(file: Path, omega: float | None, decay: bool) -> Plan:
@@ -116,21 +162,33 @@ def _plan_of_one(file: Path, omega: float | None, decay: bool) -> Plan:
     return Plan(name=file.stem, entries=(entry,))
 
 
-def _load(toml: Path, plan: Plan) -> Campaign:
-    files = _read_files(plan)
+def _load(toml: Path, plan: Plan, fault: Callable[[CampaignError], None]) -> Campaign | None:
+    """Reads what is planned; a recording whose fault `fault` does not raise is left out."""
+    files = _read_files(plan, fault)
+    if not files:
+        return None
     model = _model(toml, plan, files)
     # where the campaign maps columns of its own, the angles are not those that were calibrated
     own = not plan.form.columns
-    errors = {file: read_calibration_error(file) if own else {} for file in files}
     appearances = Counter(entry.file for entry in plan.entries)
-    recordings = []
+    entries, recordings = [], []
     for entry in plan.entries:
-        recording = _recording(toml, entry, files[entry.file], model, errors[entry.file])
-        if appearances[entry.file] > 1 and entry.span is not None:
-            recording = replace(recording, label=spanned(entry.name, entry.span))
-        check_recording(recording, plan.sample_rate, plan.rotates)
+        if entry.file not in files:
+            continue
+        try:
+            errors = read_calibration_error(entry.file) if own else {}
+            recording = _recording(toml, entry, files[entry.file], model, errors)
+            if appearances[entry.file] > 1 and entry.span is not None:
+                recording = replace(recording, label=spanned(entry.name, entry.span))
+            check_recording(recording, plan.sample_rate, plan.rotates, plan.form.columns)
+        except CampaignError as error:
+            fault(error)
+            continue
+        entries.append(entry)
         recordings.append(recording)
-    _check_overlaps(toml, plan, recordings)
+    if not recordings:  # each has its fault
+        return None
+    _check_overlaps(toml, entries, recordings)
     if model == "double" and not any(np.ptp(r.phi2) for r in recordings):
         raise CampaignError(
             recordings[0].file,
@@ -149,7 +207,7 @@ def _load(toml: Path, plan: Plan) -> Campaign:
     )
 
 
-def _read_files(plan: Plan) -> dict[Path, Columns]:
+def _read_files(plan: Plan, fault: Callable[[CampaignError], None]) -> dict[Path, Columns]:
     wanted = {entry.file: ["t", "phi1"] for entry in plan.entries}
     for names in wanted.values():
         if plan.model != "single":
@@ -159,8 +217,13 @@ def _read_files(plan: Plan) -> dict[Path, Columns]:
             wanted[entry.file].append("drive")
     files = {}
     for file, names in wanted.items():
-        files[file] = read_columns(file, plan.form, names)
-        check_times(files[file])
+        try:
+            columns = read_columns(file, plan.form, names)
+            check_times(columns)
+        except CampaignError as error:
+            fault(error)
+            continue
+        files[file] = columns
     return files
 
 
@@ -227,9 +290,9 @@ def _recording(
     )
 
 
-def _check_overlaps(toml: Path, plan: Plan, recordings: list[Recording]) -> None:
+def _check_overlaps(toml: Path, entries: list[Entry], recordings: list[Recording]) -> None:
     """A held-out span that is fitted as well would make the score worthless."""
-    pairs = list(zip(plan.entries, recordings, strict=True))
+    pairs = list(zip(entries, recordings, strict=True))
     for entry, held in pairs:
         if not held.held_out:
             continue

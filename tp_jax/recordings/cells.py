@@ -1,10 +1,12 @@
 """Rows of text to numbers: fast where all is well, and cell by cell where it is not."""
 
 from collections.abc import Mapping
+from typing import NoReturn
 
 import numpy as np
 
-from tp_jax.recordings.faults import CampaignError, shortened
+from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
+from tp_jax.recordings.faults import CampaignError, in_rows, shortened
 from tp_jax.recordings.lines import Lines
 
 
@@ -87,17 +89,33 @@ def _cells(n: int) -> str:
 def _cell_by_cell(
     lines: Lines, first: int, positions: Mapping[str, int], delimiter: str | None, decimal: str
 ) -> np.ndarray:
-    values = np.empty((len(lines.text) - first, len(positions)))
-    for i, line in enumerate(lines.text[first:]):
-        cells = split(line, delimiter)
-        for j, (name, position) in enumerate(positions.items()):
-            value = number(cells[position], decimal)
-            if value is None:
-                raise CampaignError(
-                    lines.file,
-                    f'{name} is not a number but "{shortened(cells[position])}"',
-                    "write a number there, or set delimiter and decimal under [format]",
-                    lines.numbers[first + i],
-                )
-            values[i, j] = value
+    rows = [split(line, delimiter) for line in lines.text[first:]]
+    values = np.empty((len(rows), len(positions)))
+    for j, (name, position) in enumerate(positions.items()):
+        column = [row[position] for row in rows]
+        if name == "t" and is_date_or_clock(column[0]):
+            values[:, j], bad = seconds_since_first(column)
+            wrong = [] if bad is None else [bad]
+        else:
+            numbers = [number(cell, decimal) for cell in column]
+            wrong = [i for i, value in enumerate(numbers) if value is None]
+            if not wrong:
+                values[:, j] = numbers
+        if wrong:
+            _refuse(lines, name, column, [first + i for i in wrong], first)
     return values
+
+
+def _refuse(lines: Lines, name: str, column: list[str], at: list[int], first: int) -> NoReturn:
+    """Faults cells that are no numbers, all of a column at once."""
+    cell = column[at[0] - first]
+    more = in_rows([lines.numbers[i] for i in at])
+    empty = cell == ""
+    raise CampaignError(
+        lines.file,
+        f'{name} is not a number but "{shortened(cell)}"{more}',
+        f"remove the {'row' if len(at) == 1 else 'rows'}, a gap in time is understood"
+        if empty
+        else "write a number there, or set delimiter and decimal under [format]",
+        lines.numbers[at[0]],
+    )

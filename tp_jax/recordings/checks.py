@@ -1,14 +1,17 @@
 """Whether the data of a recording can be what they are said to be."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
+from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.entries import Entry
-from tp_jax.recordings.faults import CampaignError
+from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.formats import Columns
 from tp_jax.recordings.noise import noise_level
 from tp_jax.recordings.recording import Recording
+from tp_jax.recordings.sources import ColumnSource
 
 LEAST_SAMPLES = 50
 
@@ -35,7 +38,12 @@ def check_times(columns: Columns) -> None:
         return
     i = int(bad[0]) + 1
     if t[i] == t[i - 1]:
-        wrong, mend = f"the time {t[i]:g} s is repeated", "remove one of the two rows"
+        again = [columns.numbers[j + 1] for j in bad if t[j + 1] == t[j]]
+        wrong = f"the time {t[i]:g} s is repeated"
+        mend = "remove one of the two rows"
+        if len(again) > 1:
+            wrong = f"the time {t[i]:g} s and others are repeated{in_rows(again)}"
+            mend = "remove one of each two rows"
     else:
         wrong = f"time runs backwards from {t[i - 1]:g} to {t[i]:g} s"
         mend = "put the rows in order of time, or split the file where a new run begins"
@@ -75,17 +83,25 @@ def check_span(columns: Columns, entry: Entry, begin: int, end: int, toml: Path)
     raise CampaignError(toml, wrong, "choose a span that covers more of the data", entry.line)
 
 
-def check_recording(recording: Recording, sample_rate: float | None, rotates: bool = False) -> None:
-    """Faults degrees, a pendulum at rest, and another sample rate than the campaign's.
+def check_recording(
+    recording: Recording,
+    sample_rate: float | None,
+    rotates: bool = False,
+    columns: Mapping[str, ColumnSource] | None = None,
+) -> None:
+    """Faults readings that start anew, degrees, rest, and another sample rate than the campaign's.
 
     Args:
         recording: with finite values and rising times.
         sample_rate: as the campaign states it [Hz], or None.
         rotates: whether the column may turn round and round.
+        columns: where the campaign says that the columns are, for the mend.
 
     Raises:
         CampaignError: the recording is not what it is said to be.
     """
+    for name, angle in recording.channels.items():
+        _check_wrap(recording, name, angle, columns or {})
     if rotates:
         _check_turns(recording)
     else:
@@ -98,8 +114,31 @@ def check_recording(recording: Recording, sample_rate: float | None, rotates: bo
         raise CampaignError(
             recording.file,
             f"the time column has {rate:.4g} samples a second, but sample_rate is {sample_rate:g}",
-            "correct sample_rate under [rig], or give t in seconds",
+            'correct sample_rate under [rig], or give t in seconds, as unit = "ms" for t under '
+            "[format.columns] does",
         )
+
+
+def _check_wrap(
+    recording: Recording, name: str, angle: np.ndarray, columns: Mapping[str, ColumnSource]
+) -> None:
+    """A reading that starts anew after a turn is no angle of a motion."""
+    found = leaps(recording.t, angle)
+    if found is None or found.period is None:
+        return
+    source = columns.get(name) or ColumnSource(name)
+    period = found.period / abs(source.factor(name))
+    turn = abs(period * abs(source.factor(name)) - 2.0 * np.pi) < 1e-6
+    unit = ", counts = " + f"{period:g}" if whole_numbers(angle) else ""
+    wrap = "true" if turn or unit else f"{period:.6g}"
+    times = "once" if found.at.size == 1 else f"{found.at.size} times"
+    raise CampaignError(
+        recording.file,
+        f"{name} leaps {times} by {found.size:.4g} from one sample to the next, first at "
+        f"{recording.t[found.at[0]]:.4g} s, as a reading does that starts anew after "
+        f"{found.period:.6g}",
+        f"write wrap = {wrap}{unit} for {name} under [format.columns]",
+    )
 
 
 def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
@@ -108,22 +147,29 @@ def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
     if bad.size:
         raise CampaignError(
             columns.file,
-            f"{name} is {values[bad[0]]}",
-            "remove the row or write the number measured",
+            f"{name} is {values[bad[0]]}{in_rows([columns.numbers[begin + i] for i in bad])}",
+            "remove the row, a gap in time is understood, or write the number measured",
             columns.numbers[begin + int(bad[0])],
         )
 
 
 def _check_angles(recording: Recording) -> None:
     width = float(np.ptp(recording.phi1))
-    if width > WIDEST_PHI1:
+    if width <= WIDEST_PHI1:
+        return
+    if whole_numbers(recording.phi1):
         raise CampaignError(
             recording.file,
-            f"phi1 spans {width:.4g}, too much for radians and probably degrees",
-            "give the angles in radians, or scale = 0.017453292519943295 for phi1 and phi2 "
-            "under [format.columns]; if the column turns round and round, rotates = true under "
-            "[rig]",
+            f"phi1 spans {width:.6g} in whole numbers, too much for radians and probably counts "
+            "of an encoder",
+            "write counts = N, those of a whole turn, for phi1 and phi2 under [format.columns]",
         )
+    raise CampaignError(
+        recording.file,
+        f"phi1 spans {width:.4g}, too much for radians and probably degrees",
+        'write unit = "deg" for phi1 and phi2 under [format.columns]; if the column turns round '
+        "and round, rotates = true under [rig]",
+    )
 
 
 def _check_turns(recording: Recording) -> None:
@@ -136,8 +182,8 @@ def _check_turns(recording: Recording) -> None:
             recording.file,
             f"phi1 leaps by {way:.4g} from one sample to the next, too far for turns that were "
             "counted on in radians",
-            "add whole turns so that it winds without a leap, or scale = 0.017453292519943295 for "
-            "phi1 and phi2 under [format.columns] if it is in degrees",
+            "write wrap = true for phi1 under [format.columns] where its reading starts anew, or "
+            'unit = "deg" if it is in degrees',
         )
 
 

@@ -1,13 +1,16 @@
 """What a campaign.toml says, before any data file is read."""
 
+import math
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, cast
 
 from tp_jax.recordings.faults import CampaignError
-from tp_jax.recordings.formats import NAMES, REQUIRED, ColumnSource, FileFormat
+from tp_jax.recordings.format_section import read_format
 from tp_jax.recordings.sections import Section, read_toml
+from tp_jax.recordings.sources import FileFormat
+from tp_jax.recordings.units import FREQUENCY, TIME
 
 Model = Literal["double", "single"]
 
@@ -91,7 +94,7 @@ def read_plan(file: Path) -> Plan:
         k=_known(rig, "k"),
         sample_rate=rig.positive("sample_rate"),
         rotates=bool(rig.flag("rotates")),
-        form=_format(top.section("format")),
+        form=read_format(top.section("format")),
         entries=entries,
     )
 
@@ -123,63 +126,11 @@ def _known(rig: Section, key: str) -> Known | None:
     return Known(value, sd)
 
 
-def _format(section: Section | None) -> FileFormat:
-    if section is None:
-        return FileFormat()
-    section.only("delimiter", "decimal", "skip_lines", "columns")
-    delimiter = section.text("delimiter")
-    if delimiter is not None and (len(delimiter) != 1 or delimiter in "\r\n"):
-        section.fault(
-            "the delimiter is not one character", 'write delimiter = "," or "\\t"', "delimiter"
-        )
-    decimal = section.text("decimal") or "."
-    if decimal not in (".", ","):
-        section.fault(
-            f'the decimal sign is "{decimal}"', 'write decimal = "." or decimal = ","', "decimal"
-        )
-    if delimiter == decimal:
-        section.fault(
-            f'delimiter and decimal are both "{decimal}"', "say which of them it is", "delimiter"
-        )
-    columns = section.section("columns")
-    return FileFormat(
-        delimiter=delimiter,
-        decimal=decimal,
-        skip_lines=section.whole("skip_lines"),
-        columns={} if columns is None else _columns(columns),
-    )
-
-
-def _columns(columns: Section) -> dict[str, ColumnSource]:
-    columns.only(*NAMES)
-    for name in REQUIRED:
-        if name not in columns.values:
-            columns.fault(
-                f"{columns.title} does not say where {name} is", f"add {name} = {{ column = 0 }}"
-            )
-    return {name: _column(columns, name) for name in columns.values}
-
-
-def _column(columns: Section, name: str) -> ColumnSource:
-    section = cast(Section, columns.section(name))
-    section.only("column", "scale", "offset")
-    column = section.values.get("column")
-    if isinstance(column, int):
-        column = section.whole("column")
-    if column is None or not isinstance(column, int | str):
-        columns.fault(
-            f"{name} in {columns.title} lacks the column it comes from",
-            f'write {name} = {{ column = 0 }} or {name} = {{ column = "its name" }}',
-            name,
-        )
-    scale, offset = section.number("scale"), section.number("offset")
-    if scale == 0.0:
-        columns.fault(f"the scale of {name} is 0", "give another or remove it", name)
-    return ColumnSource(column, 1.0 if scale is None else scale, offset or 0.0)
-
-
 def _entry(section: Section) -> Entry:
-    section.only("file", "omega", "forced", "drive", "span", "start", "repeat", "held_out")
+    section.only(
+        "file", "omega", "frequency", "period", "unit", "forced", "drive", "span", "start",
+        "repeat", "held_out",
+    )  # fmt: skip
     name = section.text("file")
     if name is None:
         section.fault("the [[recording]] names no file", 'add file = "run-13.csv"')
@@ -188,7 +139,7 @@ def _entry(section: Section) -> Entry:
         section.fault(
             f'drive of {name} is "{drive}"', 'write drive = "measured" or remove it', "drive"
         )
-    omega, forced = section.number("omega"), section.flag("forced")
+    omega, forced = _omega(section, name), section.flag("forced")
     if forced is None:
         if omega is None and drive is None:
             section.fault(
@@ -219,6 +170,29 @@ def _entry(section: Section) -> Entry:
         held_out=bool(section.flag("held_out")),
         line=section.line(),
     )
+
+
+def _omega(section: Section, name: str) -> float | None:
+    """The drive's frequency in rad/s, however it is given."""
+    given = [key for key in ("omega", "frequency", "period") if key in section.values]
+    if len(given) > 1:
+        section.fault(
+            f"{given[0]} and {given[1]} of {name} are both given", "remove one of them", given[1]
+        )
+    if not given:
+        if "unit" in section.values:
+            section.fault(
+                f"{name} has a unit and no frequency", "add omega, frequency or period", "unit"
+            )
+        return None
+    (key,) = given
+    units = TIME if key == "period" else FREQUENCY
+    factor = section.unit("unit", units)
+    if factor is None:
+        factor = 1.0 if key != "frequency" else FREQUENCY["Hz"]
+    if key == "period":
+        return 2.0 * math.pi / (factor * cast(float, section.positive(key)))
+    return factor * cast(float, section.number(key))
 
 
 def _span(section: Section, name: str) -> tuple[float, float] | None:

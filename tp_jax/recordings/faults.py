@@ -1,7 +1,7 @@
 """Faults of recordings and campaigns: one sentence each, naming file, line and mend."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from tp_jax.errors import InputError
@@ -32,6 +32,14 @@ def listed(names: Iterable[str], most: int = 8) -> str:
     """Names in quotes, with commas between them, cut off after `most`."""
     quoted = [f'"{shortened(name)}"' for name in names]
     return ", ".join(quoted[:most]) + (", ..." if len(quoted) > most else "")
+
+
+def in_rows(lines: Sequence[int], most: int = 12) -> str:
+    """Which lines share a fault, to be put behind it: ", in 3 rows, lines 5, 9, 12"; one: ""."""
+    if len(lines) == 1:
+        return ""
+    told = ", ".join(map(str, lines[:most])) + (", ..." if len(lines) > most else "")
+    return f", in {len(lines)} rows, lines {told}"
 
 
 def shortened(text: str, most: int = 40) -> str:

@@ -1,59 +1,29 @@
 """Reading data files: where in a file the columns t, phi1, phi2 and drive are.
 
-Three kinds are read: CSV with a header `t,phi1,phi2` (phi2, drive and further columns as they
-come), the paper's three columns without a header, and files of other makers, which a `FileFormat`
-describes.
+Read are CSV with a header `t,phi1,phi2` (phi2, drive and further columns as they come), the
+paper's three columns without a header, texts of other makers, whose layout is found out or
+described by a `FileFormat`, and files of other kinds, each by a library (`tables`).
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from tp_jax.recordings.cells import number, parse, split
+from tp_jax.recordings.cells import parse, split
 from tp_jax.recordings.faults import CampaignError, listed, nearest
-from tp_jax.recordings.lines import Lines, read_lines
+from tp_jax.recordings.kinds import kind_of
+from tp_jax.recordings.layout import Layout, layout_of
+from tp_jax.recordings.lines import Lines, as_lines, read_bytes
+from tp_jax.recordings.sources import NAMES as NAMES
+from tp_jax.recordings.sources import REQUIRED as REQUIRED
+from tp_jax.recordings.sources import ColumnSource as ColumnSource
+from tp_jax.recordings.sources import FileFormat as FileFormat
+from tp_jax.recordings.sources import from_header, values_of
+from tp_jax.recordings.units import parted
 
-NAMES = ("t", "phi1", "phi2", "drive")
-"""The columns a recording can have."""
-
-REQUIRED = ("t", "phi1")
-
-_MAP = " or say where it is under [format.columns] in campaign.toml"
-
-
-@dataclass(frozen=True)
-class ColumnSource:
-    """Where a column comes from: `value = scale * cell + offset`.
-
-    Attributes:
-        column: its name in the file's header, or its 0-based index.
-        scale: unit of the recording per unit of the file.
-        offset: in the recording's unit.
-    """
-
-    column: str | int
-    scale: float = 1.0
-    offset: float = 0.0
-
-
-@dataclass(frozen=True)
-class FileFormat:
-    """How a file is laid out; what is None is found out from the file.
-
-    Attributes:
-        delimiter: one character; " " stands for any white space.
-        decimal: "." or ",".
-        skip_lines: number of header lines, blank ones not counted.
-        columns: name in the recording -> where it is in the file; empty: by the file's header,
-            or in the order t, phi1, phi2.
-    """
-
-    delimiter: str | None = None
-    decimal: str = "."
-    skip_lines: int | None = None
-    columns: Mapping[str, ColumnSource] = field(default_factory=dict)
+MAP = " or say where it is under [format.columns] in campaign.toml, which `tp-jax init` writes"
 
 
 @dataclass(frozen=True)
@@ -82,7 +52,7 @@ def read_columns(
 
     Args:
         file: the data file.
-        form: its format; None: CSV with a header, or the paper's three columns.
+        form: its format; None: found out from the file.
         wanted: names of the columns to read; t and phi1 must be there, others are left out
             where the file does not have them.
 
@@ -90,101 +60,87 @@ def read_columns(
         CampaignError: the file, one of its columns or one of its cells cannot be read.
     """
     form = FileFormat() if form is None else form
-    lines = read_lines(file)
-    first = _first_row(lines, form)
-    if first >= len(lines.text):
+    raw = read_bytes(file)
+    kind = kind_of(file, raw[:4096])
+    if kind is not None:
+        from tp_jax.recordings.tables import read_table
+
+        return read_table(file, raw, kind, form, wanted)
+    lines = as_lines(file, raw)
+    layout = layout_of(lines, form)
+    if layout.first >= len(lines.text):
         raise CampaignError(
             file,
             "the file has a header but no rows",
             "record it again, or correct skip_lines under [format]",
             lines.numbers[-1],
         )
-    # A header of our own has as many cells as the rows; a maker's need not.
-    like = first - 1 if first and form.skip_lines is None else first
-    delimiter = _delimiter(lines.text[like], form)
-    header = split(lines.text[first - 1].lstrip("# "), delimiter) if first else []
-    row = split(lines.text[first], delimiter)
-    where = _positions(lines, first, header, row, form, wanted)
-    values = parse(
-        lines,
-        first,
-        {name: position for name, (position, _) in where.items()},
-        delimiter,
-        form.decimal,
-        model_row=like,
+    row = split(lines.text[layout.first], layout.delimiter)
+    sources = _sources(lines, layout, row, form)
+    chosen = chosen_sources(sources, wanted)
+    positions = {
+        name: _position(lines, layout, name, source.column, row) for name, source in chosen.items()
+    }
+    cells = parse(
+        lines, layout.first, positions, layout.delimiter, layout.decimal, model_row=layout.like
     )
-    for name, (_, source) in where.items():
-        if (source.scale, source.offset) != (1.0, 0.0):
-            values[name] = values[name] * source.scale + source.offset
+    values = values_of(chosen, cells)
     return Columns(
         file=file,
-        values=values,
-        numbers=lines.numbers[first:],
-        header=lines.numbers[first - 1] if first else None,
+        values={name: values[name] for name in wanted if name in values},
+        numbers=lines.numbers[layout.first :],
+        header=None if layout.header_at is None else lines.numbers[layout.header_at],
         sha256=lines.sha256,
     )
 
 
-def _first_row(lines: Lines, form: FileFormat) -> int:
-    """Index of the first row of numbers: 0 or 1 where the format does not say."""
-    if form.skip_lines is not None:
-        return form.skip_lines
-    cells = split(lines.text[0].lstrip("# "), _delimiter(lines.text[0], form))
-    named = {*NAMES, *(source.column for source in form.columns.values())}
-    # A first row with one bad cell must not pass for a header.
-    is_header = any(cell in named for cell in cells) or not any(
-        number(cell, form.decimal) is not None for cell in cells
+def chosen_sources(
+    sources: Mapping[str, ColumnSource], wanted: Sequence[str]
+) -> dict[str, ColumnSource]:
+    """The sources of the columns wanted, and of those that they are counted from."""
+    needed = [name for name in wanted if name in sources]
+    needed += [m for n in needed if (m := sources[n].minus) is not None and m not in needed]
+    return {name: sources[name] for name in needed}
+
+
+def position_by_name(
+    column: str, header: Sequence[str], fault: Callable[[str, str], Exception]
+) -> int:
+    """Index of a column in a header: by its whole cell, or by its name before the unit.
+
+    Raises:
+        Exception: what `fault(wrong, mend)` makes, where there is no such column.
+    """
+    for cells in (list(header), [parted(cell)[0] for cell in header]):
+        if column in cells:
+            return cells.index(column)
+    near = nearest(column, [cell for cell in header if cell not in NAMES])
+    raise fault(
+        f'there is no column "{column}" among {listed(header)}',
+        f'rename "{near}"{MAP}' if near else f"rename the one that is meant{MAP}",
     )
-    return int(is_header)
 
 
-def _delimiter(line: str, form: FileFormat) -> str | None:
-    if form.delimiter is not None:
-        return None if form.delimiter == " " else form.delimiter
-    if form.decimal == ".":
-        return "," if "," in line else None
-    return ";" if ";" in line else None
-
-
-def _positions(
-    lines: Lines,
-    first: int,
-    header: list[str],
-    row: list[str],
-    form: FileFormat,
-    wanted: Sequence[str],
-) -> dict[str, tuple[int, ColumnSource]]:
+def _sources(
+    lines: Lines, layout: Layout, row: list[str], form: FileFormat
+) -> dict[str, ColumnSource]:
     if form.columns:
-        sources = dict(form.columns)
-    elif not header:
-        sources = _unnamed(lines, row)
-    else:
-        sources = {name: ColumnSource(name) for name in NAMES if name in header}
-        for name in REQUIRED:
-            sources.setdefault(name, ColumnSource(name))  # a fault below
-    found = {}
-    for name in wanted:
-        if name in sources:
-            source = sources[name]
-            found[name] = (_position(lines, first, name, source.column, header, row), source)
-    return found
-
-
-def _unnamed(lines: Lines, row: list[str]) -> dict[str, ColumnSource]:
+        return dict(form.columns)
+    if layout.header:
+        return from_header(layout.header, layout.below)
     cells = row[:-1] if row[-1] == "" else row  # a delimiter after the last cell
     if len(cells) not in (2, 3):
         raise CampaignError(
             lines.file,
             f"a file without a header must have the columns t, phi1, phi2, but has {len(cells)}",
-            'begin it with the header "t,phi1,phi2", or describe it under [format]',
+            'begin it with the header "t,phi1,phi2", or describe it under [format], which '
+            "`tp-jax init` writes",
             lines.numbers[0],
         )
     return {name: ColumnSource(i) for i, name in zip(range(len(cells)), NAMES, strict=False)}
 
 
-def _position(
-    lines: Lines, first: int, name: str, column: str | int, header: list[str], row: list[str]
-) -> int:
+def _position(lines: Lines, layout: Layout, name: str, column: str | int, row: list[str]) -> int:
     if isinstance(column, int):
         if column < len(row):
             return column
@@ -192,21 +148,16 @@ def _position(
             lines.file,
             f"there is no column {column} for {name}, the row has the columns 0 to {len(row) - 1}",
             "correct the index under [format.columns], or the delimiter under [format]",
-            lines.numbers[first],
+            lines.numbers[layout.first],
         )
-    if column in header:
-        return header.index(column)
-    if not header:
+    if not layout.header:
         raise CampaignError(
             lines.file,
             f'there is no header to find the column "{column}" in',
             "give skip_lines under [format], or the column's 0-based index",
-            lines.numbers[first],
+            lines.numbers[layout.first],
         )
-    near = nearest(column, [cell for cell in header if cell not in NAMES])
-    raise CampaignError(
-        lines.file,
-        f'there is no column "{column}" among {listed(header)}',
-        f'rename "{near}"{_MAP}' if near else f"rename the one that is meant{_MAP}",
-        lines.numbers[first - 1],
+    at = None if layout.header_at is None else lines.numbers[layout.header_at]
+    return position_by_name(
+        column, layout.header, lambda wrong, mend: CampaignError(lines.file, wrong, mend, at)
     )

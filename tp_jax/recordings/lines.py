@@ -25,22 +25,30 @@ class Lines:
     sha256: str
 
 
-def read_lines(file: Path) -> Lines:
-    """Reads a text file with any line ends (also CR CR LF), with or without a byte-order mark.
+def read_bytes(file: Path) -> bytes:
+    """The bytes of a file.
 
     Raises:
-        CampaignError: the file is missing, cannot be read, or holds nothing but blank lines.
+        CampaignError: the file is missing or cannot be read.
     """
     if not os.path.exists(file):  # False also for what could be no name at all
         near = nearest(file.name, [each.name for each in _siblings(file)])
         mend = f'did you mean "{near}"?' if near else "correct the name or put the file there"
         raise CampaignError(file, "there is no such file", mend)
     try:
-        raw = file.read_bytes()
+        return file.read_bytes()
     except OSError as error:
         raise CampaignError(
-            file, f"the file cannot be read ({reason(error)})", "name a text file that can be read"
+            file, f"the file cannot be read ({reason(error)})", "name a data file that can be read"
         ) from error
+
+
+def as_lines(file: Path, raw: bytes) -> Lines:
+    """The lines of a text with any line ends (also CR CR LF), with or without a byte-order mark.
+
+    Raises:
+        CampaignError: it holds nothing but blank lines.
+    """
     physical = _split(_decoded(raw))
     kept = [(line, i) for i, line in enumerate(physical, start=1) if line and not line.isspace()]
     if not kept:
@@ -51,6 +59,15 @@ def read_lines(file: Path) -> Lines:
         numbers=[i for _, i in kept],
         sha256=hashlib.sha256(raw).hexdigest(),
     )
+
+
+def read_lines(file: Path) -> Lines:
+    """The lines of a text file.
+
+    Raises:
+        CampaignError: the file is missing, cannot be read, or holds nothing but blank lines.
+    """
+    return as_lines(file, read_bytes(file))
 
 
 def _siblings(file: Path) -> list[Path]:

@@ -3,8 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tp_jax.recordings.calibration_error import CalibrationError
 
@@ -63,6 +65,56 @@ class Recording:
                 array = np.asarray(array, dtype=float).view()  # the caller's own stays writable
                 array.setflags(write=False)
                 object.__setattr__(self, name, array)
+
+    @staticmethod
+    def from_arrays(
+        t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None, **given: Any
+    ) -> "Recording":
+        """A recording of arrays, checked as one from a file.
+
+        Args:
+            t: (n,) times: numbers, or NumPy's dates.
+            phi1, phi2: (n,) angles of the column and, where there is one, of the rider.
+            **given: omega [rad/s] of the drive, or `drive`, (n,) readings of it; neither for a
+                decay. `name`; `t_unit` ("s", "ms", ...) and `angle_unit` ("rad", "deg", ...);
+                `rotates`, whether the column may wind on; and span, start, repeat, held_out as
+                above.
+
+        Raises:
+            InputError: the arrays cannot be what they are said to be.
+
+        Example:
+            >>> t = np.linspace(0.0, 10.0, 2501)
+            >>> Recording.from_arrays(t, 20 * np.sin(13 * t), omega=13.0, angle_unit="deg").n
+            2501
+        """
+        from tp_jax.recordings.arrays import recording_from_arrays
+
+        return recording_from_arrays(t, phi1, phi2, **given)
+
+    @staticmethod
+    def from_frame(
+        frame: Any, columns: Mapping[str, str] | None = None, **given: Any
+    ) -> "Recording":
+        """A recording of a DataFrame (of pandas, or one with the same methods).
+
+        Args:
+            frame: with columns t, phi1 and, where there are, phi2 and drive.
+            columns: name here -> name in the frame, where they differ.
+            **given: as of `from_arrays`.
+
+        Raises:
+            InputError: a column is missing, or cannot be what it is said to be.
+        """
+        from tp_jax.recordings.arrays import from_frame
+
+        return from_frame(frame, columns, given)
+
+    def to_frame(self) -> Any:
+        """The columns t, phi1 and, where there are, phi2 and drive as a DataFrame of pandas."""
+        from tp_jax.recordings.arrays import frame_of
+
+        return frame_of(self)
 
     @property
     def n(self) -> int:

@@ -3,12 +3,13 @@
 import math
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
 from tp_jax.recordings.faults import CampaignError, listed, nearest, reason
+from tp_jax.recordings.units import named
 
 _HEADING = re.compile(r"\s*\[")
 
@@ -88,6 +89,16 @@ class Section:
             )
         return value
 
+    def unit(self, key: str, units: Mapping[str, float]) -> float | None:
+        """The factor of a unit; None where the key is absent."""
+        text = self.text(key)
+        if text is None:
+            return None
+        name = named(text, units)
+        if name is None:
+            self.fault(f'the unit "{text}"{self._in()} is unknown', one_of(units), key)
+        return units[name]
+
     def whole(self, key: str) -> int | None:
         """A whole number, zero or above."""
         value = self.values.get(key)
@@ -147,6 +158,11 @@ class Section:
         if not math.isfinite(number):
             self.fault(f"{key}{self._in()} is {number}", "give a finite number", key)
         return number
+
+
+def one_of(names: Iterable[str]) -> str:
+    """What to write: one of a few names."""
+    return f"write one of {listed(names, 12)}"
 
 
 def read_toml(file: Path) -> Section:

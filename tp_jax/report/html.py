@@ -112,7 +112,7 @@ def _not_drawn(diagnosis: Mapping[str, Any]) -> str:
 
 def _groups(diagnosis: Mapping[str, Any]) -> list[list[tables.Named]]:
     return [
-        [tables.Named(words.EFFECTS.get(name, name), name) for name in group]
+        [tables.Named(words.clause(name) or name, name) for name in group]
         for group in reading.groups(diagnosis)
     ]
 

@@ -182,7 +182,7 @@ def _effect(row: Mapping[str, Any]) -> Any:
 
 def _named(name: str, said: str | None = None) -> Any:
     """The words for an id, and the id; the id alone where there are no words."""
-    said = words.EFFECTS.get(name, "") if said is None else said
+    said = words.clause(name) if said is None else said
     return Named(words.capital(said) or name, name if said else "")
 
 

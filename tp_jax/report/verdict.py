@@ -126,7 +126,7 @@ def _what(diagnosis: Mapping[str, Any]) -> str:
 def _cause(cause: Mapping[str, Any]) -> str:
     """What happens, with its id (unless that is all that is known of it) and probability."""
     name = reading.text(cause, "effect")
-    more = [name] if name in words.EFFECTS else []
+    more = [name] if words.clause(name) else []
     if reading.value(cause, "probability") is not None:
         more.append(f"probability {probability(cause['probability'])}")
     return f"{words.effect(name)} ({', '.join(more)})" if more else words.effect(name)

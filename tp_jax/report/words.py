@@ -1,7 +1,10 @@
 """What the ids of results are called in sentences.
 
-Effects and parameters from outside the package have no entry here and go by their ids.
+Parameters from outside the package have no entry here and go by their ids; effects from outside
+bring their clause, `says`.
 """
+
+import sys
 
 #: Effect to a clause that can follow "the cause:".
 EFFECTS = {
@@ -81,7 +84,16 @@ PARAMETERS = {
 
 def effect(name: str) -> str:
     """`contact_stribeck` to what happens; an unknown effect to its id in words."""
-    return EFFECTS.get(name, f"the effect {name}")
+    return clause(name) or f"the effect {name}"
+
+
+def clause(name: str) -> str:
+    """What an effect does, as a clause; "" where nobody has said."""
+    if name in EFFECTS:
+        return EFFECTS[name]
+    effects = sys.modules.get("tp_jax.effects")  # a report of what was diagnosed before needs none
+    own = None if effects is None else effects.catalogue().get(name)
+    return "" if own is None else own.says
 
 
 def location(name: str) -> str:

@@ -80,6 +80,37 @@ def simulate(
     return Trajectory(jnp.asarray(ts), ys[:, 0], ys[:, 1], ys[:, 2], ys[:, 3])
 
 
+def accelerations(model: AbstractTorsionPendulum, motion: Trajectory) -> tuple[Array, Array]:
+    """Accelerations of the column and, against it, of the rider.
+
+    Args:
+        model: the pendulum that moved; without effects that have states of their own, which a
+            trajectory does not hold.
+        motion: what `simulate` returned for it.
+
+    Returns:
+        d omega1/dt and d omega2/dt [rad/s^2], each of the shape of `motion.t`.
+
+    Raises:
+        ValueError: the pendulum has effects with states of their own.
+
+    Example:
+        >>> import numpy as np, tp_jax as tp
+        >>> bench = tp.presets.get("bench")
+        >>> a1, a2 = tp.accelerations(bench, tp.simulate(bench, np.linspace(0.0, 1.0, 251)))
+        >>> a1.shape
+        (251,)
+    """
+    if model.n_states != 4:
+        raise ValueError(
+            "Argument `model` must have no effects with states of their own, but has "
+            f"{model.n_states - 4} of them, which a trajectory does not hold."
+        )
+    state = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
+    rates = model.derivative(motion.t, tuple(jnp.asarray(each) for each in state))
+    return rates[2], rates[3]
+
+
 @eqx.filter_jit
 def _run(template, inputs, ts, tolerance, solver, max_steps) -> Array:
     parts = take_apart(template)

@@ -1,0 +1,206 @@
+"""init, effects, compare and simulate's own numbers."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.schemas import small
+from tp_jax.checks import check
+from tp_jax.cli import main, simulate
+from tp_jax.cli.diagnose import EXAMPLE
+from tp_jax.effects import catalogue
+from tp_jax.model import presets
+from tp_jax.recordings import load_campaign
+from tp_jax.report import words
+
+TURN = 2.0 * np.pi
+
+
+@pytest.fixture(autouse=True)
+def _no_cache(monkeypatch):
+    monkeypatch.setenv("TP_JAX_CACHE", "off")
+
+
+# init -----------------------------------------------------------------------------------------
+
+
+def _run(name: str) -> tuple[np.ndarray, ...]:
+    return tuple(np.loadtxt(EXAMPLE / f"{name}.csv", delimiter=",", skiprows=1).T)
+
+
+def _german(t, a, b) -> str:
+    columns = zip(1e3 * t, np.degrees(a), np.degrees(b), strict=True)
+    rows = [f"{x:.6f};{y:.9f};{z:.9f}" for x, y, z in columns]
+    return "\n".join(["Prüfstand 2;;", "Zeit [ms];Winkel1 [°];Winkel2 [°]", *rows]).replace(
+        ".", ","
+    )
+
+
+def _bare(t, a, b) -> str:
+    """No header, milliseconds, degrees, a number of each row before them."""
+    rows = zip(t, a * 180.0 / np.pi, b * 180.0 / np.pi, strict=True)
+    return "\n".join(f"{1e3 * x:.6f}\t{y:.9f}\t{z:.9f}" for x, y, z in rows)
+
+
+def _counts(t, a, b) -> str:
+    x, y = (np.floor(each % TURN / TURN * 4096.0).astype(int) for each in (a, b))
+    columns = zip(range(t.size), t, x, y, strict=True)
+    rows = "\n".join(f"{i},{s:.6f},{p},{q}" for i, s, p, q in columns)
+    return f"sample,time,encoder1,encoder2\n{rows}"
+
+
+@pytest.mark.parametrize(
+    ("write", "within"), [(_german, 1e-6), (_bare, 1e-6), (_counts, 5e-3)], ids=lambda x: str(x)
+)
+def test_init_finds_what_was_written(write, within, tmp_path, capsys):
+    for name in ("run-13", "run-17", "decay"):
+        (tmp_path / f"{name}.txt").write_text(write(*_run(name)), encoding="utf-8")
+    (tmp_path / "notes.md").write_text("no data")
+    assert main(["init", str(tmp_path)]) == 0
+    assert "Read and correct it" in capsys.readouterr().out
+    campaign = load_campaign(tmp_path)
+    assert check(tmp_path).wrong == ()
+    driven = {r.name: r.omega for r in campaign.recordings}
+    assert driven["decay.txt"] is None
+    assert driven["run-13.txt"] == pytest.approx(13.09, abs=2e-3)
+    assert driven["run-17.txt"] == pytest.approx(17.0, abs=2e-3)
+    for recording in campaign.recordings:
+        t, a, b = _run(recording.name.removesuffix(".txt"))
+        np.testing.assert_allclose(recording.t, t, atol=1e-6)
+        np.testing.assert_allclose(recording.phi1, a, atol=within)
+        off = recording.phi2 - b
+        np.testing.assert_allclose(off - TURN * np.round(off[0] / TURN), 0.0, atol=within)
+
+
+def test_init_overwrites_nothing(tmp_path, capsys):
+    (tmp_path / "campaign.toml").write_text("name = 'mine'")
+    assert main(["init", str(tmp_path)]) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert (tmp_path / "campaign.toml").read_text() == "name = 'mine'"
+
+
+@pytest.mark.filterwarnings("default")  # what is left out is a notice
+@pytest.mark.parametrize("files", [{}, {"a.csv": "no numbers"}, {"a.csv": ""}])
+def test_init_without_data(files, tmp_path, capsys):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    assert main(["init", str(tmp_path)]) == 2
+    assert "put the recordings there" in capsys.readouterr().err
+    assert main(["init", str(tmp_path / "none")]) == 2
+
+
+@pytest.mark.filterwarnings("default")
+def test_init_names_what_it_left_out(tmp_path, capsys):
+    (tmp_path / "a.csv").write_text(_german(*_run("run-13")))
+    (tmp_path / "b.csv").write_text(_counts(*_run("run-17")))
+    (tmp_path / "c.pdf2").write_bytes(b"%PDF-1.7")
+    assert main(["init", str(tmp_path)]) == 0
+    err = capsys.readouterr().err
+    assert "b.csv: its columns differ" in err
+    assert "c.pdf2: this is a PDF" in err
+
+
+# effects ----------------------------------------------------------------------------------------
+
+
+def test_effects_are_listed(capsys):
+    assert main(["effects"]) == 0
+    out = capsys.readouterr().out
+    assert all(f"{name} " in out for name in catalogue())
+
+
+def test_one_effect_is_told(capsys):
+    assert main(["effects", "contact_stribeck"]) == 0
+    out = capsys.readouterr().out
+    assert words.EFFECTS["contact_stribeck"] in out
+    assert catalogue()["contact_stribeck"].remedy in out
+
+
+def test_an_effect_that_is_not_there(capsys):
+    assert main(["effects", "contact_stribek"]) == 2
+    assert "did you mean contact_stribeck?" in capsys.readouterr().err
+
+
+def test_effects_as_json(capsys):
+    assert main(["effects", "--json", "-"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert set(told) == set(catalogue())
+    assert all(each["says"] and each["remedy"] and each["formula"] for each in told.values())
+
+
+# compare ------------------------------------------------------------------------------------------
+
+
+def _diagnosis(tmp_path, name, k, causes):
+    content = small.diagnosis()
+    content |= {"campaign": name, "verdict": "explained" if causes else "no_gap", "causes": causes}
+    content["parameters"] = {
+        "k": {"value": k, "unit": "N m/rad", "ci95": [k - 0.01, k + 0.01], "identifiable": True}
+    }
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "diagnosis.json").write_text(json.dumps(content))
+    return str(tmp_path / name)
+
+
+CAUSE = {
+    "effect": "contact_stribeck", "location": "contact", "probability": 0.99, "shrink": 0.9,
+    "parameters": {"a": {"value": 0.5, "unit": "1", "ci95": [0.4, 0.6]}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("k", "star"), [(0.45, False), (0.48, True)])
+def test_compare(k, star, tmp_path, capsys):
+    a, b = _diagnosis(tmp_path, "old", 0.45, [CAUSE]), _diagnosis(tmp_path, "new", k, [])
+    page = tmp_path / "c.html"
+    assert main(["compare", a, b, "--html", str(page), "--json", str(tmp_path / "c.json")]) == 0
+    out = capsys.readouterr().out
+    assert ("k *" in out) is star
+    lines = {line.split("  ")[0]: line for line in out.split("\n")}
+    assert "not found" in lines["cause contact_stribeck"]
+    assert "0.500 (0.400 to 0.600)" in lines["cause contact_stribeck"]
+    found = json.loads((tmp_path / "c.json").read_text())
+    assert found["verdicts"] == ["explained", "no_gap"]
+    assert found["parameters"]["k"]["differs"] is star
+    assert "<script" not in page.read_text()
+    assert "contact_stribeck" in page.read_text()
+
+
+def test_compare_what_is_no_diagnosis(tmp_path, capsys):
+    (tmp_path / "a.json").write_text("{}")
+    assert main(["compare", str(tmp_path / "a.json"), str(tmp_path / "a.json")]) == 2
+    assert "a.json" in capsys.readouterr().err
+
+
+# simulate -----------------------------------------------------------------------------------------
+
+
+def test_numbers_are_those_of_the_model():
+    assert {*simulate.COLUMN, *simulate.RIDER} == {*presets.values("bench"), "phase"}
+
+
+def _simulated(capsys, *argv) -> np.ndarray:
+    assert main(["simulate", "--preset", "bench", "--duration", "2", "--quiet", *argv]) == 0
+    return np.array([row.split(",") for row in capsys.readouterr().out.split("\n")[1:-1]], float)
+
+
+def test_a_released_column_swings_at_its_own_frequency(capsys):
+    free = [f"--set={name}=0" for name in ("c1", "M1")]
+    y = _simulated(capsys, "--single", "--phi1", "0.3", "--set", "k=0.48", *free)
+    assert y.shape[1] == 2
+    np.testing.assert_allclose(y[:, 1], 0.3 * np.cos(20.0 * y[:, 0]), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("argv", "says"),
+    [
+        (["--set", "K=1"], "names K"),
+        (["--set", "B2=1", "--single"], "without a rider"),
+        (["--set", "B1=0"], "above zero"),
+        (["--set", "Tv=-1"], "below zero"),
+        (["--set", "k=1", "--set", "k=2"], "only once"),
+    ],
+)
+def test_numbers_that_cannot_be(argv, says, capsys):
+    assert main(["simulate", *argv]) == 2
+    assert says in capsys.readouterr().err

@@ -1,0 +1,118 @@
+"""All checks of a campaign at once."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tp_jax.checks import drive, rider, sampling
+from tp_jax.checks.finding import Finding
+from tp_jax.checks.policy import CheckPolicy
+from tp_jax.errors import InputError
+from tp_jax.recordings import Campaign
+from tp_jax.recordings.campaign import load_what_can_be
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What was found.
+
+    Attributes:
+        campaign: of the recordings that can be read; None where there are none.
+        findings: those that are wrong before those that are doubtful.
+        shares: label of a forced run -> share of phi1's variance at its omega and two harmonics.
+    """
+
+    campaign: Campaign | None
+    findings: tuple[Finding, ...]
+    shares: Mapping[str, float]
+
+    @property
+    def wrong(self) -> tuple[Finding, ...]:
+        """What is refused."""
+        return tuple(each for each in self.findings if each.level == "wrong")
+
+    @property
+    def doubtful(self) -> tuple[Finding, ...]:
+        """What is told and used all the same."""
+        return tuple(each for each in self.findings if each.level == "doubtful")
+
+    def refuse(self) -> None:
+        """Raises the first of what is wrong.
+
+        Raises:
+            InputError: in one sentence, with the mend.
+        """
+        if self.wrong:
+            more = len(self.wrong) - 1
+            others = f" ({more} more: `tp-jax check` tells all.)" if more else ""
+            raise InputError(self.wrong[0].sentence + others)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As `tp-jax check --json` writes it."""
+        return {
+            "schema": "tp-jax/check/1",
+            "campaign": None if self.campaign is None else self.campaign.name,
+            "good": not self.wrong,
+            "findings": [
+                {
+                    "kind": each.kind, "level": each.level, "recordings": list(each.recordings),
+                    "text": each.sentence, "numbers": dict(each.numbers),
+                }
+                for each in self.findings
+            ],
+            "shares": dict(self.shares),
+        }  # fmt: skip
+
+
+def check(
+    path: str | os.PathLike[str],
+    *,
+    omega: float | None = None,
+    decay: bool = False,
+    policy: CheckPolicy | None = None,
+) -> Checked:
+    """Reads a campaign and tells all that is wrong or doubtful about it, at once.
+
+    Args:
+        path, omega, decay: as of `load_campaign`.
+        policy: what decides.
+    """
+    campaign, faults = load_what_can_be(path, omega=omega, decay=decay)
+    unread = [Finding("file", "wrong", (), str(fault).rstrip(".?"), "") for fault in faults]
+    if campaign is None:
+        return Checked(None, tuple(unread), {})
+    seen = examine(campaign, policy)
+    return Checked(campaign, (*unread, *seen.findings), seen.shares)
+
+
+def examine(campaign: Campaign, policy: CheckPolicy | None = None) -> Checked:
+    """Looks at the recordings of a campaign that has been read."""
+    policy = policy or CheckPolicy()
+    recordings = campaign.recordings
+    driven = drive.shares(recordings, policy.drive)
+    found = drive.findings(driven, policy.drive)
+    runs = rider.dragged(driven, policy.drive, policy.rider)
+    found += rider.findings(runs, policy.rider)
+    found += _same_angle(campaign)
+    for recording in recordings:
+        found += sampling.findings(recording, policy.sampling, policy.clip)
+    found.sort(key=lambda each: each.level != "wrong")
+    return Checked(campaign, tuple(found), {d.recording.label: d.share for d in driven})
+
+
+def _same_angle(campaign: Campaign) -> list[Finding]:
+    """phi2 read from phi1's column."""
+    labels = tuple(
+        r.label
+        for r in campaign.recordings
+        if r.phi2 is not None and np.array_equal(r.phi1, r.phi2)
+    )
+    if not labels:
+        return []
+    return [
+        Finding("rider", "wrong", labels, "phi1 and phi2 are the same numbers",
+                "name the right column for each under [format.columns]")
+    ]  # fmt: skip

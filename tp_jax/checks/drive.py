@@ -1,0 +1,169 @@
+"""Whether a forced run moves at the frequency of its drive: units of times and frequencies."""
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tp_jax.checks.finding import Finding
+from tp_jax.checks.harmonics import end_of, fit, strongest
+from tp_jax.checks.policy import DrivePolicy
+from tp_jax.recordings import Recording
+from tp_jax.recordings.units import FREQUENCY, TIME
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A unit taken for another.
+
+    Attributes:
+        seen: frequency of the motion in the file, over that said; None: 2π over the square of it.
+        wrong: what it is, as part of a sentence; {omega} is what was said, {right} what it is
+            in rad/s.
+        mend: what to write.
+    """
+
+    seen: float | None
+    wrong: str
+    mend: str
+
+
+_T = ' for t under [format.columns], as in t = {{ column = "t", unit = "{unit}" }}'
+
+
+def _time(unit: str, name: str) -> Mistake:
+    return Mistake(
+        TIME[unit],
+        f"the times are in {name}",
+        f'write unit = "{unit}"' + _T.replace("{unit}", unit),
+    )
+
+
+def _frequency(unit: str, name: str) -> Mistake:
+    return Mistake(
+        FREQUENCY[unit],
+        f"omega = {{omega:g}} is in {name}",
+        f'write omega = {{right:.6g}}, or unit = "{unit}" beside it',
+    )
+
+
+MISTAKES = (
+    _time("ms", "milliseconds"),
+    _time("us", "microseconds"),
+    _time("min", "minutes"),
+    _frequency("Hz", "Hz"),
+    _frequency("rpm", "turns a minute"),
+    _frequency("deg/s", "degrees a second"),
+    Mistake(
+        None,
+        "omega = {omega:g} is a period in seconds",
+        "write period = {omega:g} in place of omega",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Driven:
+    """What a forced run shows of its drive.
+
+    Attributes:
+        recording: the run.
+        share: of phi1's variance at the frequency said, with harmonics.
+        mistake: the unit that explains it; None: none does.
+        moves_at: rad/s, frequency of the motion where the share is low; NaN elsewhere.
+        steady: whether the motion at that frequency is what the run was driven at.
+    """
+
+    recording: Recording
+    share: float
+    mistake: Mistake | None = None
+    moves_at: float = math.nan
+    steady: bool = False
+
+
+def shares(recordings: Sequence[Recording], policy: DrivePolicy) -> list[Driven]:
+    """Looks at every forced run whose frequency is said."""
+    forced = [r for r in recordings if r.forced and r.omega is not None]
+    return [_look(recording, policy) for recording in forced]
+
+
+def findings(driven: Sequence[Driven], policy: DrivePolicy) -> list[Finding]:
+    """What is wrong or doubtful about frequencies, one finding for runs with the same fault."""
+    by_mistake: dict[Mistake, list[Driven]] = defaultdict(list)
+    found = []
+    for each in driven:
+        omega = each.recording.omega
+        if each.share >= policy.right or omega is None:
+            continue
+        if each.mistake is not None:
+            by_mistake[each.mistake].append(each)
+            continue
+        numbers = {"share": each.share, "moves_at": each.moves_at}
+        if each.share < policy.wrong and each.steady:
+            found.append(
+                Finding(
+                    "frequency", "wrong", (each.recording.label,),
+                    f"phi1 moves at {each.moves_at:.4g} rad/s and not at its omega of {omega:.4g}",
+                    f"write omega = {each.moves_at:.4g} if that is what it was driven at, or name "
+                    "the right file",
+                    numbers,
+                )
+            )  # fmt: skip
+            continue
+        moves = f", most is at {each.moves_at:.4g} rad/s" if math.isfinite(each.moves_at) else ""
+        found.append(
+            Finding(
+                "frequency", "doubtful", (each.recording.label,),
+                f"only {each.share:.0%} of phi1's motion is at its omega of {omega:.4g} "
+                f"rad/s{moves}",
+                "see whether omega, the file and the time's unit are right",
+                numbers,
+            )
+        )  # fmt: skip
+    return [_same(mistake, runs) for mistake, runs in by_mistake.items()] + found
+
+
+def _same(mistake: Mistake, runs: Sequence[Driven]) -> Finding:
+    omega = runs[0].recording.omega or 0.0
+    right = omega * (mistake.seen or 2.0 * math.pi / omega**2)
+    told = {"omega": omega, "right": right}
+    at = f"phi1 moves at {runs[0].moves_at:.4g} rad/s where omega is {omega:.4g}, so that "
+    return Finding(
+        "units", "wrong", tuple(run.recording.label for run in runs),
+        at + mistake.wrong.format(**told), mistake.mend.format(**told),
+        {"share": max(run.share for run in runs), "moves_at": runs[0].moves_at},
+    )  # fmt: skip
+
+
+def _look(recording: Recording, policy: DrivePolicy) -> Driven:
+    omega = recording.omega or 0.0
+    part = end_of(recording.t, policy.part)
+    t, x = recording.t[part], recording.phi1[part]
+    # harmonics of a frequency that has hardly a period there fit any motion
+    few = omega * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods
+    share = fit(t, x, omega, 1 if few else policy.harmonics).share
+    if share >= policy.right:
+        return Driven(recording, share)
+    at = strongest(t, x)
+    found = []
+    for mistake in MISTAKES:
+        meant = omega * (mistake.seen or 2.0 * math.pi / omega**2)
+        fastest = math.pi / float(np.median(np.diff(t)))
+        if meant * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods or meant > fastest:
+            continue
+        for tried in [meant] + ([at] if abs(at / meant - 1.0) < policy.near else []):
+            found.append((fit(t, x, tried, policy.harmonics).share, tried, mistake))
+    best = max(found, key=lambda each: each[0], default=None)
+    if share < policy.wrong and best is not None and best[0] >= policy.other:
+        return Driven(recording, share, best[2], best[1])
+    whole = fit(t, x, at, policy.harmonics)
+    half = t.size // 2
+    first, second = (
+        abs(fit(t[s], x[s], at, policy.harmonics).amplitude)
+        for s in (slice(half), slice(half, None))
+    )
+    stays = abs(second / first - 1.0) < policy.steady if first else False
+    far = abs(at / omega - 1.0) > 0.2
+    return Driven(recording, share, None, at, whole.share >= policy.other and stays and far)

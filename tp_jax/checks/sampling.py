@@ -1,0 +1,96 @@
+"""Whether recordings show the motion: samples, noise, ends of the sensor, decays that decay."""
+
+import numpy as np
+
+from tp_jax.checks.finding import Finding
+from tp_jax.checks.policy import ClipPolicy, SamplingPolicy
+from tp_jax.recordings import Recording, noise_level
+
+
+def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> list[Finding]:
+    """What is doubtful about one recording; nothing here is certain enough to be refused."""
+    label = (recording.label,)
+    found = []
+
+    def doubt(kind: str, wrong: str, mend: str, **numbers: float) -> None:
+        found.append(Finding(kind, "doubtful", label, wrong, mend, numbers))
+
+    step = float(np.median(np.diff(recording.t)))
+    if step > policy.longest_step:
+        doubt(
+            "units", f"there are {step:.4g} s between samples",
+            'write unit = "ms" for t under [format.columns] if they are milliseconds', step=step,
+        )  # fmt: skip
+    if recording.omega is not None:
+        period = 2.0 * np.pi / recording.omega
+        if period / step < policy.fewest:
+            doubt(
+                "sampling",
+                f"there are {period / step:.2g} samples in a period of the drive, fewer than "
+                f"{policy.fewest:g}",
+                "record at a higher rate", samples=period / step,
+            )  # fmt: skip
+        if recording.duration / period < policy.periods:
+            doubt(
+                "sampling",
+                f"it lasts {recording.duration / period:.2g} periods of the drive, fewer than "
+                f"{policy.periods:g}",
+                "record for longer", periods=recording.duration / period,
+            )  # fmt: skip
+    width = float(np.ptp(recording.phi1))
+    if width > policy.widest and not abs(recording.phi1[-1] - recording.phi1[0]) > 0.5 * width:
+        doubt(
+            "units", f"phi1 spans {width:.3g} rad, {np.degrees(width):.0f} degrees",
+            'write unit = "deg" for phi1 and phi2 under [format.columns] if they are degrees',
+            span=width,
+        )  # fmt: skip
+    noise = noise_level(recording.t, recording.phi1)
+    deviation = float(np.std(recording.phi1))
+    if deviation < policy.signal * noise:
+        doubt(
+            "motion",
+            f"phi1 moves by {deviation:.2g} rad rms at a noise of {noise:.2g} rad",
+            "drive it further, or use a better sensor", signal=deviation / noise,
+        )  # fmt: skip
+    if not recording.forced:
+        third = recording.n // 3
+        first, last = np.std(recording.phi1[:third]), np.std(recording.phi1[-third:])
+        if last > policy.growing * first and last > policy.signal * noise:
+            doubt(
+                "motion",
+                f"it is said to be a free decay, but moves {last / first:.2g} times as far at its "
+                "end as at its beginning",
+                "give omega and forced = true if the motor ran, or a span from the release on",
+                growth=float(last / first),
+            )  # fmt: skip
+    for name, angle in recording.channels.items():
+        times, end = stops(angle, clip)
+        if times:
+            doubt(
+                "clipped",
+                f"{name} stops short at {end:.4g} rad {times} times, as where a sensor or its "
+                "converter ends",
+                "set its range wider, or drive it less far", times=times, at=end,
+            )  # fmt: skip
+    return found
+
+
+def stops(angle: np.ndarray, policy: ClipPolicy) -> tuple[int, float]:
+    """How often an angle runs into its greatest or least value and stays there, and that value."""
+    steps = np.abs(np.diff(angle))
+    quantum = float(steps[steps > 0.0].min(initial=np.inf))
+    for sign in (1.0, -1.0):
+        x = sign * angle
+        end = x.max()
+        there = np.flatnonzero(np.diff(np.r_[False, x == end, False].astype(int)))
+        begins, ends = there[::2], there[1::2]
+        times = 0
+        for a, b in zip(begins, ends, strict=True):
+            if b - a < policy.samples or a < 3:
+                continue
+            # a turning point of its own is a parabola: half the stay at the speed before it
+            speed = (x[a - 1] - x[a - 3]) / 2.0
+            times += bool(speed * 0.5 * (b - a) > policy.beyond * quantum)
+        if times >= policy.times:
+            return times, sign * float(end)
+    return 0, 0.0

@@ -1,0 +1,159 @@
+"""Recordings and campaigns from arrays, and back: no file is needed."""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tp_jax.errors import InputError
+from tp_jax.recordings import units
+from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
+from tp_jax.recordings.entries import Entry, Known, Model
+from tp_jax.recordings.formats import Columns
+from tp_jax.recordings.tables import as_numbers
+
+if TYPE_CHECKING:
+    from tp_jax.recordings.campaign import Campaign
+    from tp_jax.recordings.recording import Recording
+
+
+def recording_from_arrays(
+    t: ArrayLike,
+    phi1: ArrayLike,
+    phi2: ArrayLike | None = None,
+    *,
+    omega: float | None = None,
+    drive: ArrayLike | None = None,
+    forced: bool | None = None,
+    name: str = "run",
+    t_unit: str = "s",
+    angle_unit: str = "rad",
+    rotates: bool = False,
+    **more: Any,
+) -> "Recording":
+    """See `Recording.from_arrays`."""
+    from tp_jax.recordings.recording import Recording
+
+    if forced is None:
+        forced = drive is not None or bool(omega)
+    if forced and drive is None and not (omega and 0.0 < omega < float("inf")):
+        raise InputError(
+            f"Recording {name} was forced, but its omega is {omega}; give omega in rad/s, or drive."
+        )
+    factors = {
+        "t": _factor("t_unit", t_unit, units.TIME),
+        "phi1": _factor("angle_unit", angle_unit, units.ANGLE),
+    }
+    factors["phi2"] = factors["phi1"]
+    given = {"t": t, "phi1": phi1, "phi2": phi2, "drive": drive}
+    file, values = Path(name), {}
+    for key, array in given.items():
+        if array is not None:
+            column = as_numbers(file, key, np.asarray(array))
+            dates = key == "t" and np.asarray(array).dtype.kind in "Mm"
+            factor = 1.0 if dates else factors.get(key, 1.0)
+            values[key] = column if factor == 1.0 else column * factor
+    shapes = {key: column.shape for key, column in values.items()}
+    if any(shape != (values["t"].size,) for shape in shapes.values()):
+        told = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
+        raise InputError(
+            f"Recording {name} must have columns of one length and one dimension, but has {told}."
+        )
+    digest = hashlib.sha256(b"".join(column.tobytes() for column in values.values())).hexdigest()
+    columns = Columns(file, values, range(values["t"].size), None, digest)
+    check_times(columns)
+    check_span(columns, Entry(name, file, forced), 0, values["t"].size, file)
+    check_values(columns, 0, values["t"].size)
+    recording = Recording(
+        name=name, label=name, file=file, t=values["t"], phi1=values["phi1"],
+        phi2=values.get("phi2"), drive=values.get("drive"), forced=forced,
+        omega=omega if forced else None, sha256=digest,
+        **{"span": None, "start": None, "repeat": None, "held_out": False, **more},
+    )  # fmt: skip
+    check_recording(recording, None, rotates)
+    return recording
+
+
+def campaign_from_arrays(
+    recordings: "Iterable[Recording | Mapping[str, Any]]",
+    *,
+    name: str = "campaign",
+    B1: float | None = None,
+    B2: float | tuple[float, float] | None = None,
+    k: float | tuple[float, float] | None = None,
+    model: Model | None = None,
+) -> "Campaign":
+    """See `Campaign.from_arrays`."""
+    from tp_jax.recordings.campaign import Campaign
+
+    made = []
+    for i, each in enumerate(recordings):
+        if isinstance(each, Mapping):
+            each = recording_from_arrays(**{"name": f"run-{i + 1:02d}", **each})
+        made.append(each)
+    if not made:
+        raise InputError(f"Campaign {name} has no recordings; give one or more.")
+    labels = [each.label for each in made]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise InputError(f"Campaign {name} has two recordings {label}; name them apart.")
+    if all(each.held_out for each in made):
+        raise InputError(f"Campaign {name} has nothing to fit; let held_out be False of some.")
+    riders = [each.phi2 is not None for each in made]
+    if model is None:
+        model = "double" if any(riders) else "single"
+    if model == "double" and not all(riders):
+        label = labels[riders.index(False)]
+        raise InputError(f"Recording {label} has no phi2; add it, or give model='single'.")
+    if (B2 is not None or k is not None) and B1 is None:
+        raise InputError(
+            "B2 or k is given, but B1 is not; give it, or 1 if they are per unit of it."
+        )
+    return Campaign(
+        name=name, model=model, B1=B1, B2=_known(B2), k=_known(k), sample_rate=None,
+        recordings=tuple(made), folder=Path(),
+    )  # fmt: skip
+
+
+def frame_of(recording: "Recording") -> Any:
+    """See `Recording.to_frame`."""
+    try:
+        import pandas
+    except ImportError as error:
+        raise InputError("A DataFrame needs pandas: pip install pandas.") from error
+    columns = {"t": recording.t, **recording.channels}
+    if recording.drive is not None:
+        columns["drive"] = recording.drive
+    return pandas.DataFrame(columns)
+
+
+def from_frame(frame: Any, columns: Mapping[str, str] | None, given: dict[str, Any]) -> "Recording":
+    """See `Recording.from_frame`."""
+    names = {each: each for each in ("t", "phi1", "phi2", "drive")} | dict(columns or {})
+    there = [str(each) for each in frame.columns]
+    for name in ("t", "phi1", *(columns or {})):
+        if names.get(name) not in there:
+            raise InputError(
+                f"There is no column {names.get(name)!r} for {name} among {', '.join(there)}; name "
+                "it, as in columns={'phi1': 'angle'}."
+            )
+    arrays = {key: frame[name].to_numpy() for key, name in names.items() if name in there}
+    if given.get("forced") is False or given.get("omega") is not None:
+        arrays.pop("drive", None)
+    return recording_from_arrays(**arrays, **given)
+
+
+def _factor(argument: str, unit: str, table: Mapping[str, float]) -> float:
+    name = units.named(unit, table)
+    if name is None:
+        raise InputError(f"Argument {argument} must be one of {', '.join(table)}, but is {unit!r}.")
+    return table[name]
+
+
+def _known(value: float | tuple[float, float] | None) -> Known | None:
+    if value is None:
+        return None
+    return Known(*value) if isinstance(value, tuple) else Known(float(value))

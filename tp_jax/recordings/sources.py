@@ -1,0 +1,125 @@
+"""Where a column of a recording comes from, and how a reading becomes seconds or radians."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tp_jax.recordings import units
+
+NAMES = ("t", "phi1", "phi2", "drive")
+"""The columns a recording can have."""
+
+REQUIRED = ("t", "phi1")
+
+
+@dataclass(frozen=True)
+class ColumnSource:
+    """Where a column comes from: `value = scale * cell * (the unit's factor) + offset`.
+
+    Attributes:
+        column: its name in the file's header, or its 0-based index.
+        scale: unit of the recording per unit of the file.
+        offset: in the recording's unit.
+        unit: the file's, a name of `units`; None: seconds or radians.
+        counts: of an encoder in a whole turn, where the cells are counts.
+        wrap: after how many of the cell's own units the reading starts anew; None: it never does.
+        minus: name of the column that is to be taken off, in the recording's unit.
+    """
+
+    column: str | int
+    scale: float = 1.0
+    offset: float = 0.0
+    unit: str | None = None
+    counts: float | None = None
+    wrap: float | None = None
+    minus: str | None = None
+
+    def factor(self, name: str) -> float:
+        """Seconds or radians per unit of the cell, for the column of this name."""
+        if self.counts is not None:
+            return self.scale * 2.0 * math.pi / self.counts
+        return self.scale * (1.0 if self.unit is None else units.of(name)[self.unit])
+
+    def apply(self, name: str, cells: np.ndarray) -> np.ndarray:
+        """(n,) values of the column of this name, `minus` not yet taken off."""
+        if self.wrap is not None:
+            cells = unwrapped(cells, self.wrap)
+        factor = self.factor(name)
+        # bit for bit what was written, where there is nothing to be done
+        return cells if (factor, self.offset) == (1.0, 0.0) else cells * factor + self.offset
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """How a file is laid out; what is None is found out from the file.
+
+    Attributes:
+        delimiter: one character; " " stands for any white space.
+        decimal: "." or ",".
+        skip_lines: number of header lines, blank ones not counted; the line with the columns'
+            names may be counted or not.
+        columns: name in the recording -> where it is in the file; empty: by the file's header,
+            or in the order t, phi1, phi2.
+        sheet: of a workbook; None: the first.
+    """
+
+    delimiter: str | None = None
+    decimal: str | None = None
+    skip_lines: int | None = None
+    columns: Mapping[str, ColumnSource] = field(default_factory=dict)
+    sheet: str | None = None
+
+
+def unwrapped(cells: np.ndarray, period: float) -> np.ndarray:
+    """Readings that start anew after `period`, counted on; those that are not finite stay.
+
+    Whole turns are taken off so that the middle of the motion is the one next to zero: otherwise
+    runs that begin a little above zero and a little below would be a turn apart.
+    """
+    finite = np.isfinite(cells)
+    if not finite.any():
+        return cells
+    counted = cells.copy()
+    counted[finite] = np.unwrap(cells[finite], period=period)
+    return counted - period * np.round(np.median(counted[finite]) / period)
+
+
+def values_of(
+    sources: Mapping[str, ColumnSource], cells: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Columns of cells in seconds and radians, name -> (n,) values.
+
+    A column that another is counted from must be among them.
+    """
+    values = {name: sources[name].apply(name, column) for name, column in cells.items()}
+    absolute = dict(values)
+    for name in values:
+        minus = sources[name].minus
+        if minus is not None:
+            values[name] = absolute[name] - absolute[minus]
+    return values
+
+
+def from_header(header: list[str], below: list[str]) -> dict[str, ColumnSource]:
+    """Columns by the names in a header: "phi1", or "phi1 [deg]", or its unit in the line below.
+
+    Returns:
+        Those of `NAMES` that are there, and those of `REQUIRED` in any case.
+    """
+    found = {}
+    for name in NAMES:
+        table = units.of(name)
+        for i, cell in enumerate(header):
+            bare, unit = units.parted(cell)
+            if cell != name and (bare != name or not (unit and units.named(unit, table))):
+                continue
+            unit = unit or (below[i].strip("[]() ") if i < len(below) else "")
+            unit = units.named(unit, table)
+            plain = unit is None or table[unit] == 1.0
+            found[name] = ColumnSource(cell, unit=None if plain else unit)
+            break
+    for name in REQUIRED:
+        found.setdefault(name, ColumnSource(name))  # a fault of whoever looks for it
+    return found
