@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parent.parent / "tp_jax"
 
 # Layer -> the layers it may import, besides itself and EVERYWHERE. The root, tp_jax itself, is
 # for the command line alone: its lazy names reach everywhere.
-EVERYWHERE = {"errors", "_files", "_version"}
+EVERYWHERE = {"errors", "_files", "_version", "schemas"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
     "_files": set(),

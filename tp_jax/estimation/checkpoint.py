@@ -8,8 +8,7 @@ from typing import Any
 
 from tp_jax._files import replaced
 from tp_jax.errors import InputError
-
-SCHEMA = "tp-jax/starts/1"
+from tp_jax.schemas.starts import VERSION, read_starts
 
 
 class Checkpoint:
@@ -35,21 +34,11 @@ class Checkpoint:
         Raises:
             InputError: the file is missing, cannot be read, or is of other data or settings.
         """
-        try:
-            stored = json.loads(self.path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            raise InputError(
-                f"There is nothing to resume at {self.path}; start without --resume."
-            ) from None
-        except (OSError, ValueError) as fault:
-            raise InputError(
-                f"Cannot resume from {self.path}, which cannot be read ({fault}); start without "
-                "--resume."
-            ) from fault
-        if not isinstance(stored, dict) or stored.get("schema") != SCHEMA:
-            raise InputError(f"Cannot resume from {self.path}, which holds no starts; remove it.")
-        if stored.get("sha256") != self.digest:
-            other = stored.get("key", {})
+        if not self.path.is_file():
+            raise InputError(f"There is nothing to resume at {self.path}; start without --resume.")
+        stored = read_starts(self.path)
+        if stored["sha256"] != self.digest:
+            other = stored["key"]
             changed = [n for n in sorted({*self.key, *other}) if self.key.get(n) != other.get(n)]
             raise InputError(
                 f"Cannot resume from {self.path}, which is of another search (it differs in "
@@ -63,7 +52,7 @@ class Checkpoint:
         """Adds results and writes the file: what was there stays until the new one is whole."""
         self.done.update(results)
         text = json.dumps(
-            {"schema": SCHEMA, "sha256": self.digest, "key": self.key, "done": self.done}
+            {"schema": VERSION, "sha256": self.digest, "key": self.key, "done": self.done}
         )
         self.path.parent.mkdir(parents=True, exist_ok=True)
         with replaced(self.path) as part:
