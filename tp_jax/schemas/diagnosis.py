@@ -186,11 +186,20 @@ SCHEMA: dict[str, Any] = {
 }
 
 
-def read_diagnosis(path: str | Path) -> dict[str, Any]:
+WITHOUT_FITS = {**SCHEMA, "required": []}
+"""A diagnosis that is only looked at."""
+
+
+def read_diagnosis(path: str | Path, *, fits: bool = True) -> dict[str, Any]:
     """A diagnosis.json, checked.
+
+    Args:
+        path: the file.
+        fits: whether they have to be there; nothing is predicted without.
 
     Raises:
         InputError: it cannot be read, is of another version, or a field is not what it must be;
             the sentence names the field.
     """
-    return read_versioned(path, SCHEMA, "a diagnosis", "diagnose the campaign again")
+    schema = SCHEMA if fits else WITHOUT_FITS
+    return read_versioned(path, schema, "a diagnosis", "diagnose the campaign again")
