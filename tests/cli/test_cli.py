@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import tp_jax
-from tests.schemas import small
+from scripts._attack import small
 from tp_jax.cli import arguments, main, sensitivity
 from tp_jax.cli.arguments import sample_count
 from tp_jax.cli.diagnose import EXAMPLE, default_folder

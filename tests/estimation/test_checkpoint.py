@@ -6,7 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.mutations import mutated
+from scripts._attack.documents import mutated
 from tp_jax.errors import InputError
 from tp_jax.estimation.checkpoint import Checkpoint
 from tp_jax.estimation.outcome import Outcome

@@ -7,8 +7,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.mutations import mutated
-from tests.schemas.small import diagnosis
+from scripts._attack.documents import mutated
+from scripts._attack.small import diagnosis
 from tp_jax.cli import main
 from tp_jax.errors import InputError
 from tp_jax.report import summary

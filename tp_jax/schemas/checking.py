@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import bytes_of
 from tp_jax.errors import InputError
 
 LARGEST = 1e30
@@ -52,7 +53,7 @@ def read_json(path: str | Path) -> Any:
 
 def _text(path: str | Path) -> str:
     try:
-        return Path(path).read_text(encoding="utf-8-sig")  # some editors begin with a mark
+        return bytes_of(path).decode("utf-8-sig")  # some editors begin with a mark
     except OSError as fault:
         raise InputError(f"Cannot read {_short(str(path))}: {fault.strerror or fault}.") from fault
 

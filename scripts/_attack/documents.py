@@ -1,4 +1,4 @@
-"""Ways to spoil a JSON document, one at a time, by a seed."""
+"""Ways to spoil a JSON document, a few at a time, by a seed."""
 
 import copy
 import random
