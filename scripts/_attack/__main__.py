@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 import time
+import warnings
 from collections.abc import Sequence
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
@@ -42,6 +43,8 @@ def _parser() -> Parser:
 def _attack(args: argparse.Namespace) -> int:
     from scripts._attack import commands, kills, places, readers
 
+    # libraries' warnings are not for users either, see tp_jax.cli.warned
+    warnings.simplefilter("ignore")
     tally = Tally()
     work = {
         "kills": lambda: kills.attack(tally, args.kills, args.seed),  # before JAX has threads
