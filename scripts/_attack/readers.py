@@ -137,13 +137,15 @@ def _identification(content: Any, folder: Path) -> None:
 
 
 def _starts(content: Any, folder: Path) -> None:
-    from tp_jax.estimation.checkpoint import Checkpoint
+    from tp_jax.estimation.checkpoint import Checkpoint, digest_of
     from tp_jax.estimation.outcome import Outcome
     from tp_jax.schemas.starts import VERSION
 
     kept = Checkpoint(folder / "starts.json", corpus.starts()["key"])
     if isinstance(content, dict):
-        content = {"schema": VERSION, "sha256": kept.digest, **content}
+        # as if they had been written so
+        digests = {"sha256": kept.digest, "done_sha256": digest_of(content.get("done"))}
+        content = {"schema": VERSION, **digests, **content}
     _put(folder, "starts.json", content)
     kept.resume()
     for each in kept.done.values():

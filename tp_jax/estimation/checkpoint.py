@@ -26,7 +26,7 @@ class Checkpoint:
     @property
     def digest(self) -> str:
         """SHA-256 of the key."""
-        return hashlib.sha256(json.dumps(self.key, sort_keys=True).encode()).hexdigest()
+        return digest_of(self.key)
 
     def resume(self) -> int:
         """Reads what is there; how many results that is.
@@ -45,6 +45,11 @@ class Checkpoint:
                 f"{', '.join(changed) or 'its contents'}); start without --resume, or with the "
                 "same data and settings."
             )
+        if stored["done_sha256"] != digest_of(stored["done"]):
+            raise InputError(
+                f"Cannot resume from {self.path}, whose starts were changed after they ended; "
+                "start without --resume."
+            )
         self.done = stored["done"]
         return len(self.done)
 
@@ -52,8 +57,16 @@ class Checkpoint:
         """Adds results and writes the file: what was there stays until the new one is whole."""
         self.done.update(results)
         text = json.dumps(
-            {"schema": VERSION, "sha256": self.digest, "key": self.key, "done": self.done}
-        )
+            {
+                "schema": VERSION, "sha256": self.digest, "key": self.key,
+                "done_sha256": digest_of(self.done), "done": self.done,
+            }
+        )  # fmt: skip
         self.path.parent.mkdir(parents=True, exist_ok=True)
         with replaced(self.path) as part:
             part.write_text(text, encoding="utf-8")
+
+
+def digest_of(content: Mapping[str, Any]) -> str:
+    """SHA-256 of what JSON can hold; the same after it was written and read."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
