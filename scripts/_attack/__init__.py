@@ -7,5 +7,6 @@ corpus      valid inputs to begin from
 readers     every reader, in this process
 commands    every command's arguments, in this process, the work itself left out
 kills       processes killed while they write
+searches    identify, killed and gone on with
 places      a full disk, no home, a cache of another processor
 """

@@ -13,7 +13,7 @@ from scripts._attack.tally import Tally
 from scripts._carried_out import carried_out
 from tp_jax.cli.arguments import Parser, add_seed, whole
 
-DOORS = ("readers", "commands", "kills", "places")
+DOORS = ("readers", "commands", "kills", "places", "searches")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -33,6 +33,8 @@ def _parser() -> Parser:
                         help="command lines (1000)")  # fmt: skip
     parser.add_argument("--kills", metavar="N", type=whole, default=200,
                         help="processes killed while they write (200)")  # fmt: skip
+    parser.add_argument("--searches", metavar="N", type=whole, default=0,
+                        help="of identify, killed and gone on with, a minute each (0)")  # fmt: skip
     parser.add_argument("--only", choices=DOORS, help="nothing else")
     parser.add_argument("--door", metavar="NAME", help="of the readers only this one")
     add_seed(parser)
@@ -41,7 +43,7 @@ def _parser() -> Parser:
 
 
 def _attack(args: argparse.Namespace) -> int:
-    from scripts._attack import commands, kills, places, readers
+    from scripts._attack import commands, kills, places, readers, searches
 
     # libraries' warnings are not for users either, see tp_jax.cli.warned
     warnings.simplefilter("ignore")
@@ -51,6 +53,7 @@ def _attack(args: argparse.Namespace) -> int:
         "readers": lambda: readers.attack(tally, args.inputs, args.seed, args.door),
         "commands": lambda: commands.attack(tally, args.lines, args.seed),
         "places": lambda: places.attack(tally),
+        "searches": lambda: searches.attack(tally, args.searches, args.seed),
     }
     begun = time.monotonic()
     for name, attack in work.items():

@@ -43,19 +43,26 @@ class Tally:
     def __init__(self) -> None:
         self.rows: dict[str, Row] = {}
 
-    def attempt(self, door: str, work: Callable[[], object], about: object = "") -> None:
+    def attempt(
+        self,
+        door: str,
+        work: Callable[[], object],
+        about: object = "",
+        longest: float | None = None,
+    ) -> None:
         """Does the work and counts what became of it.
 
         Args:
             door: that is tried.
             work: returns where the input was taken, raises InputError where it was refused.
             about: told with a fault, so that it can be had again.
+            longest: seconds after which it hangs, if not `LONGEST`.
         """
         row = self.rows.setdefault(door, Row())
         row.tried += 1
         begun = time.monotonic()
         try:
-            with limited(LONGEST):
+            with limited(LONGEST if longest is None else longest):
                 work()
         except InputError as fault:
             row.refused += 1
