@@ -4,7 +4,8 @@ import os
 
 import pytest
 
-from tp_jax._compiler import WIDTH_OPTION, _has_avx512, compiler_options
+from tp_jax import _processor
+from tp_jax._compiler import WIDTH_OPTION, compiler_options
 
 
 @pytest.fixture
@@ -12,7 +13,7 @@ def options(monkeypatch):
     """Sets what the processor can do and the flags, and tells the compiler's options."""
 
     def found(avx512, flags=""):
-        monkeypatch.setattr("tp_jax._compiler._has_avx512", lambda: avx512)
+        monkeypatch.setattr("tp_jax._compiler.features", lambda: ("avx512f",) if avx512 else ())
         monkeypatch.setattr("jax.default_backend", lambda: "cpu")
         monkeypatch.setenv("XLA_FLAGS", f"{os.environ.get('XLA_FLAGS', '')} {flags}")
         compiler_options.cache_clear()
@@ -37,15 +38,22 @@ def test_an_option_that_the_compiler_does_not_know(options, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("line", "has"),
+    ("line", "said"),
     [
-        ("flags\t\t: fpu avx2 avx512f avx512vl", True),
-        ("flags\t\t: fpu avx2 avx512_bf16", False),
-        ("Features\t: fp asimd", False),
+        ("flags\t\t: fpu avx2 avx512f avx512vl", ("avx2", "avx512f", "avx512vl", "fpu")),
+        ("Features\t: fp asimd", ("asimd", "fp")),
+        ("model\t: 7", ()),
     ],
 )
-def test_what_a_processor_says_of_itself(tmp_path, line, has):
+def test_what_a_processor_says_of_itself(tmp_path, line, said):
     file = tmp_path / "cpuinfo"
     file.write_text(f"processor\t: 0\n{line}\nbugs\t\t: avx512f\n", encoding="utf-8")
-    assert _has_avx512(file) is has
-    assert not _has_avx512(tmp_path / "gone")
+    assert _processor.features(file) == said
+    assert _processor.features(tmp_path / "gone") == ()
+
+
+def test_another_processor_has_another_name(monkeypatch):
+    own = _processor.name.__wrapped__()
+    assert own == _processor.name()
+    monkeypatch.setattr(_processor, "features", lambda: ("another",))
+    assert _processor.name.__wrapped__() != own

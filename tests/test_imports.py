@@ -11,15 +11,17 @@ PACKAGE = Path(__file__).parent.parent / "tp_jax"
 
 # Layer -> the layers it may import, besides itself and EVERYWHERE. The root, tp_jax itself, is
 # for the command line alone: its lazy names reach everywhere.
-EVERYWHERE = {"errors", "_files", "_version"}
+EVERYWHERE = {"errors", "_files", "_version", "schemas"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
     "_files": set(),
     "_memory": set(),
     "_version": set(),
-    "_compiler": set(),
-    "_config": set(),
-    "_stored": {"_compiler", "_config", "_memory"},
+    "_processor": set(),
+    "_cache": set(),
+    "_compiler": {"_processor"},
+    "_config": {"_cache", "_processor"},
+    "_stored": {"_compiler", "_config", "_memory", "_processor"},
     "schemas": set(),
     "model": set(),
     "effects": {"model"},
@@ -71,6 +73,8 @@ FORBIDDEN = {
     "errors": {*JAX, "numpy", "scipy"},
     "_files": {*JAX, "numpy", "scipy"},
     "_memory": {*JAX, "numpy", "scipy"},
+    "_cache": {*JAX, "numpy", "scipy"},
+    "_processor": {*JAX, "numpy", "scipy"},
     "schemas": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,

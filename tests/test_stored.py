@@ -1,5 +1,6 @@
 """Traced programs kept between runs: found again, never the wrong one, no harm from a bad file."""
 
+import os
 import threading
 import time
 from typing import NamedTuple
@@ -87,17 +88,41 @@ def test_nothing_is_kept_without_a_cache(monkeypatch):
     assert Traced().process()(2.0, Pair(jnp.ones(2), None)).a.tolist() == [2.0, 2.0]
 
 
-@pytest.mark.parametrize("content", [b"", b"not a program", b"\0" * 400])
-def test_a_broken_file_does_no_harm(folder, content):
+@pytest.mark.parametrize("content", [b"", b"not a program", b"\0" * 400, "half", "flipped", "bare"])
+def test_a_spoiled_or_foreign_file_is_replaced(folder, content):
     f, pair = Traced(), Pair(jnp.ones(2), None)
     f.process()(2.0, pair)
     (file,) = folder.iterdir()
-    file.write_bytes(content)
+    good = file.read_bytes()
+    changed = {
+        "half": good[: len(good) // 2],
+        "flipped": good[:-9] + bytes([good[-9] ^ 1]) + good[-8:],
+        "bare": good[_stored.BEGIN :],  # as files were before they had a head
+    }
+    file.write_bytes(changed.get(content, content))
     assert f.process()(2.0, pair).a.tolist() == [2.0, 2.0]
     assert len(f.traces) == 2
-    f.process()(2.0, pair)  # writes it anew
     f.process()(2.0, pair)
-    assert len(f.traces) == 3
+    assert len(f.traces) == 2
+
+
+def test_use_is_noted(folder):
+    f, pair = Traced(), Pair(jnp.ones(2), None)
+    f.process()(2.0, pair)
+    (file,) = folder.iterdir()
+    os.utime(file, (1e9, 1e9))
+    f.process()(2.0, pair)
+    assert file.stat().st_mtime > 1.5e9
+
+
+@pytest.mark.parametrize("what", ["_processor.name", "platform.python_version"])
+def test_another_for_another_processor_or_python(folder, monkeypatch, what):
+    f, pair = Traced(), Pair(jnp.ones(3), None)
+    f.process()(2.0, pair)
+    module, name = what.split(".")
+    monkeypatch.setattr(getattr(_stored, module), name, lambda: "another")
+    f.process()(2.0, pair)
+    assert len(f.traces) == len(list(folder.iterdir())) == 2
 
 
 def test_a_folder_that_cannot_be_written_to_does_no_harm(tmp_path, monkeypatch):

@@ -110,10 +110,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _WITH_JAX:
-        from tp_jax._config import compile_small_loops, use_float64
+        from tp_jax._config import use_float64
 
-        compile_small_loops()
-        use_float64()
+        if name != "enable_compilation_cache":  # which comes before JAX
+            use_float64()
         module, attribute = _WITH_JAX[name]
     elif name in _WITHOUT_JAX:
         module, attribute = _WITHOUT_JAX[name]

@@ -2,8 +2,8 @@
 
 import functools
 import os
-import re
-from pathlib import Path
+
+from tp_jax._processor import features
 
 WIDTH_OPTION = "xla_cpu_prefer_vector_width"
 
@@ -19,7 +19,7 @@ def compiler_options() -> dict[str, int]:
     import jax
 
     own = WIDTH_OPTION in os.environ.get("XLA_FLAGS", "")
-    if own or jax.default_backend() != "cpu" or not _has_avx512():
+    if own or jax.default_backend() != "cpu" or "avx512f" not in features():
         return {}
     wide = {WIDTH_OPTION: 512}
     try:
@@ -27,12 +27,3 @@ def compiler_options() -> dict[str, int]:
     except jax.errors.JaxRuntimeError:  # this version of XLA has no such option
         return {}
     return wide
-
-
-def _has_avx512(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
-    try:
-        text = cpuinfo.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):  # not Linux
-        return False
-    found = re.search(r"^flags\s*:(.*)$", text, re.MULTILINE)
-    return found is not None and "avx512f" in found[1].split()

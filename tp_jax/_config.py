@@ -1,8 +1,10 @@
 """Settings of JAX that the package's own entry points make, and its tests; nothing else does.
 
-A library that is merely imported should not change JAX for everybody else, so this happens when
-one of the package's names that computes is first used (`tp_jax.__getattr__`), or in the command
-line. JAX itself is imported inside the functions: `tp-jax --help` does not wait for it.
+A library that is merely imported should not change JAX for everybody else. 64 bits are set when
+one of the package's names that computes is first used (`tp_jax.__getattr__`), since nothing in 32
+would be right; all else in the command line, or by the one call that a user makes
+(`enable_compilation_cache`). JAX itself is imported inside the functions: `tp-jax --help` does not
+wait for it.
 
 Three environment variables matter:
 
@@ -26,7 +28,11 @@ Three environment variables matter:
 
 import os
 import sys
+import warnings
 from pathlib import Path
+
+from tp_jax import _cache, _processor
+from tp_jax.errors import Notice
 
 SMALL_LOOP = 16_000_000
 """Bytes that a loop may carry to count as small."""
@@ -56,33 +62,56 @@ def compile_small_loops() -> None:
     os.environ["XLA_FLAGS"] = f"{flags} --xla_backend_extra_options={options}".strip()
 
 
-def cache_folder() -> Path:
-    """Where compiled programs are kept between runs: the user's cache folder."""
+def cache_root() -> Path:
+    """Where programs of all processors are kept between runs: in the user's cache folder.
+
+    Raises:
+        RuntimeError: there is no home to speak of.
+    """
     base = os.environ.get("XDG_CACHE_HOME", "")
     # the XDG specification: a path that is not absolute counts as absent
-    home = Path(base) if os.path.isabs(base) else Path.home() / ".cache"
-    return home / "tp-jax" / "xla"
+    if os.path.isabs(base):
+        return Path(base, "tp-jax")
+    if not os.path.isabs(os.environ.get("HOME", "/")):  # of an empty one Python makes /
+        raise RuntimeError("HOME is no folder.")
+    return Path.home() / ".cache" / "tp-jax"
+
+
+def cache_folder() -> Path:
+    """Where JAX keeps programs compiled for this processor."""
+    return cache_root() / _processor.name() / "xla"
 
 
 def enable_compilation_cache() -> bool:
-    """Keep compiled programs between runs; says whether that could be arranged.
+    """Prepares this process for the package: loops compile in one piece, programs are kept.
 
-    For scripts and notebooks; the command line does so by itself. To be called before anything
-    else of the package, and before equinox is imported. A folder that cannot be made or written to
-    is no reason to stop: the programs are then compiled anew. Under it a simulation that fails
-    yields NaN and says why in its result, where it would raise otherwise.
+    The one call for scripts and notebooks; the command line does so by itself. To be made before
+    anything is compiled and before equinox is imported, for what it sets holds for the whole
+    process: `XLA_FLAGS`, JAX's cache, and that a simulation that fails yields NaN and says why in
+    its result, where it would raise otherwise.
+
+    Returns:
+        Whether programs are kept. A folder that cannot be made or written to, or that others may
+        write to (a `Notice` says so), is no reason to stop: they are then compiled anew.
     """
+    compile_small_loops()
     if os.environ.get("TP_JAX_CACHE", "").lower() == "off":
         return False
     if "equinox" not in sys.modules:
         os.environ.setdefault("EQX_ON_ERROR", "nan")
     try:
-        folder = cache_folder()
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, RuntimeError):  # RuntimeError: no home to speak of
+        root, folder = cache_root(), cache_folder()
+        for each in (root, folder.parent, folder):
+            _cache.made(each)
+        fault = _cache.distrusted(root, folder.parent, folder)
+    except (OSError, RuntimeError):
+        return False
+    if fault is not None:
+        warnings.warn(Notice(f"Compiled programs are not kept: {fault}."), stacklevel=2)
         return False
     if not os.access(folder, os.W_OK | os.X_OK):
         return False
+    _cache.clean(root)
 
     import jax
 
@@ -96,12 +125,12 @@ def programs_folder() -> Path | None:
     """Where traced programs are kept (`_stored`): beside JAX's cache, where that is ours."""
     import jax
 
-    ours = cache_folder()
-    if jax.config.jax_compilation_cache_dir != str(ours):
-        return None
-    folder = ours.with_name("programs")
     try:
-        folder.mkdir(exist_ok=True)
-    except OSError:
+        ours = cache_folder()
+        if jax.config.jax_compilation_cache_dir != str(ours):
+            return None
+        folder = ours.with_name("programs")
+        _cache.made(folder)
+        return None if _cache.distrusted(folder) else folder
+    except (OSError, RuntimeError):
         return None
-    return folder

@@ -3,9 +3,9 @@
 JAX's persistent cache saves XLA's work and none of Python's: a program of a hundred effects is
 still traced and lowered anew in every process, which takes longer than to load what was compiled
 of it. So what is lowered is kept beside that cache (`_config.programs_folder`), under a name made
-of all that it depends on: the package's source, the versions of JAX, the arguments' shapes and a
-description of the static ones. A program from elsewhere is as dangerous as one in JAX's own cache;
-both lie in the user's cache folder.
+of all that it depends on: the package's source, the versions of JAX and Python, the processor, the
+arguments' shapes and a description of the static ones. A program from elsewhere is as dangerous as
+one in JAX's own cache; both lie in the user's cache folder, to which nobody else may write.
 """
 
 import contextlib
@@ -13,6 +13,7 @@ import functools
 import hashlib
 import logging
 import os
+import platform
 import threading
 import time
 from collections.abc import Callable, Hashable
@@ -23,6 +24,7 @@ import jax
 import jaxlib
 from jax import export
 
+from tp_jax import _processor
 from tp_jax._compiler import compiler_options
 from tp_jax._config import programs_folder
 from tp_jax._files import replaced
@@ -32,6 +34,11 @@ log = logging.getLogger(__name__)
 
 LARGE = 0.5
 """Seconds to load or compile a program from which on it leaves much memory behind."""
+
+HEAD = b"tp-jax/program/1\n"
+"""Begins a file; then come 32 bytes, the SHA-256 of the rest."""
+
+BEGIN = len(HEAD) + 32
 
 COMPILERS = threading.BoundedSemaphore(2)
 """So many programs are compiled at once: the largest takes a gigabyte while it is."""
@@ -101,25 +108,50 @@ class Stored:
         about = (
             self.function.__qualname__, described, shapes, _source(), jax.__version__,
             jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
+            platform.python_version(), _processor.name(),
         )  # fmt: skip
         file = (
             folder / f"{self.function.__name__}-{hashlib.sha256(repr(about).encode()).hexdigest()}"
         )
-        try:
-            if file.is_file():
-                exported = export.deserialize(bytearray(file.read_bytes()))
-            else:
+        exported = _kept(file)
+        if exported is None:
+            try:
                 exported = export.export(jax.jit(functools.partial(self.function, *static)))(
                     *arrays
                 )
-                with replaced(file) as part:
-                    part.write_bytes(exported.serialize())
-        except Exception as fault:  # whatever is wrong with a cache, there is another way
-            log.info("%s is not kept: %s", file.name, fault)
-            with contextlib.suppress(OSError):
-                file.unlink(missing_ok=True)
-            return plain
+            except Exception as fault:  # there is another way
+                log.info("%s is not kept: %s", file.name, fault)
+                return plain
+            _keep(file, exported)
         return jax.jit(exported.call, compiler_options=wide)
+
+
+def _kept(file: Path) -> export.Exported | None:
+    """The program in a file; None, and no file, where there is none to be had from it."""
+    try:
+        content = file.read_bytes()
+        head, digest, program = content[: len(HEAD)], content[len(HEAD) :][:32], content[BEGIN:]
+        if head != HEAD or hashlib.sha256(program).digest() != digest:
+            raise ValueError("it is not as it was written")
+        exported = export.deserialize(bytearray(program))
+        os.utime(file)  # what was used last is kept longest
+        return exported
+    except FileNotFoundError:
+        return None
+    except Exception as fault:
+        log.info("%s is made anew: %s", file.name, fault)
+        with contextlib.suppress(OSError):
+            file.unlink()
+        return None
+
+
+def _keep(file: Path, exported: export.Exported) -> None:
+    try:
+        program = exported.serialize()
+        with replaced(file) as part:  # whole for whoever else reads or writes it
+            part.write_bytes(HEAD + hashlib.sha256(program).digest() + program)
+    except Exception as fault:  # a full disk, or a part of the program that has no form in a file
+        log.info("%s is not kept: %s", file.name, fault)
 
 
 @functools.cache

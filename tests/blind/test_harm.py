@@ -59,6 +59,11 @@ def test_is_kept(tmp_path):
     digest = hashlib.sha256(kept.with_name("diagnosis.json").read_bytes()).hexdigest()
     kept.write_text(json.dumps({"diagnosis_sha256": digest, "windowed": True, "free_run": False}))
     assert measured_harm(tmp_path, entry, found) == {"windowed": True, "free_run": False}
-    kept.write_text(json.dumps({"diagnosis_sha256": "of another", "windowed": True}))
-    with pytest.raises(InputError):  # measured anew, but there are no recordings here
-        measured_harm(tmp_path, entry, found)
+    for text in (
+        '{"diagnosis_sha256": "of another", "windowed": true, "free_run": null}',
+        "{",
+        "[]",
+    ):
+        kept.write_text(text)
+        with pytest.raises(InputError, match="case-001"):  # measured anew, without recordings here
+            measured_harm(tmp_path, entry, found)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tp_jax.blind import make
-from tp_jax.blind.case import LARGEST, SMALLEST, Settings
+from tp_jax.blind.case import LARGEST, SMALLEST, Settings, make_case
 from tp_jax.blind.draw import draw_rig, usable
 from tp_jax.blind.plan import counts, plan_cases
 from tp_jax.cli import main
@@ -138,6 +138,40 @@ def test_goes_on_where_it_was(tmp_path, monkeypatch):
     assert (tmp_path / ".t.part" / "sealed" / asked[0] / "key.json").is_file()
     make(tmp_path / "t", 3, 0)
     assert [p.name for p in tmp_path.iterdir()] == ["t"]
+
+
+@pytest.mark.parametrize("at", ["rmdir", "rename"])
+def test_cut_off_while_it_is_put_into_its_place(at, tmp_path, monkeypatch):
+    source = sys.modules["tp_jax.blind.make"]
+    asked = []
+
+    def made_of(part, case, settings):
+        asked.append(case.name)
+        (part / "sealed" / case.name).mkdir(parents=True)
+        return {"case": case.name}
+
+    monkeypatch.setattr(source, "make_case", made_of)
+    (tmp_path / "t").mkdir()
+    with monkeypatch.context() as cut:
+        cut.setattr(Path, at, lambda *_, **__: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            make(tmp_path / "t", 3, 0)
+    make(tmp_path / "t", 3, 0)
+    assert len(asked) == 3  # none was made again
+    assert [p.name for p in tmp_path.iterdir()] == ["t"]
+    assert not list((tmp_path / "t").rglob("trial.json"))
+    with pytest.raises(InputError, match="not empty"):
+        make(tmp_path / "t", 3, 1)
+
+
+def test_half_a_part_of_the_key_is_made_again(tmp_path):
+    case = plan_cases(4, 1)[0]
+    entry = make_case(tmp_path, case, TINY)
+    part = tmp_path / "sealed" / case.name / "key.json"
+    text = part.read_text()
+    part.write_text(text[: len(text) // 2])
+    assert make_case(tmp_path, case, TINY) == entry
+    assert part.read_text() == text
 
 
 def test_a_folder_with_something_in_it(tmp_path, capsys):

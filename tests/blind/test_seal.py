@@ -57,9 +57,15 @@ def test_no_trial(trial, file):
 @pytest.mark.parametrize(
     ("text", "part"),
     [
-        ("{", "is no diagnosis"),
-        ("[]", "has no verdict"),
-        ('{"verdict": "no_gap", "provenance": {"data_sha256": {"x": "y"}}}', "other data"),
+        ("{", "is not JSON"),
+        ("[]", "is not a diagnosis"),
+        ('{"schema": "tp-jax/diagnosis/1"}', "has no verdict"),
+        ('{"schema": "tp-jax/diagnosis/1", "verdict": "maybe"}', "verdict must be"),
+        (
+            '{"schema": "tp-jax/diagnosis/1", "verdict": "no_gap", '
+            '"provenance": {"data_sha256": {"x": "y"}}}',
+            "other data",
+        ),
     ],
 )
 def test_what_is_no_diagnosis_of_the_case(trial, text, part):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import tp_jax
-from tests.schemas import small
+from scripts._attack import small
 from tp_jax.cli import arguments, main, sensitivity
 from tp_jax.cli.arguments import sample_count
 from tp_jax.cli.diagnose import EXAMPLE, default_folder
@@ -141,6 +141,12 @@ def test_version(capsys):
         (["rig", "serve", "--text", "--release", "1e300"], "--release must be at most"),
         (["rig", "serve", "--unplug", "1e300:1"], "must be at most"),
         (["calibrate", "x" * 300, "--out", "x" * 300], "File name too long"),
+        (["diagnose", EXAMPLE, "--tolerance", "nan"], "--tolerance must be a number"),
+        (["diagnose", EXAMPLE, "--tolerance", "1e308"], "--tolerance must be at most 100 rad"),
+        (["diagnose", EXAMPLE, "--tolerance", "-1"], "--tolerance must not be negative"),
+        (["blind", "make", "b", "--cases", "9" * 11], "--cases must be at most 100000"),
+        (["blind", "make", "b", "--workers", "9" * 11], "--workers must be at most 1000"),
+        (["blind", "make", "/dev/null/b", "--cases", "1"], "Cannot make the folder /dev/null"),
         (["predict", "missing.json", "--omega", "3", "--duration", "1", "--rate", "9"], "missing"),
     ],
 )

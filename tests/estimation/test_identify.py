@@ -13,6 +13,8 @@ from tp_jax.cli.output import json_text
 from tp_jax.estimation import multistart
 from tp_jax.estimation.methods import METHODS
 from tp_jax.model.parameters import SHARPEST_EPS
+from tp_jax.schemas.checking import check
+from tp_jax.schemas.identification import SCHEMA
 
 FIX = {"T0": 4.0}  # three seconds do not tell it
 
@@ -40,6 +42,7 @@ def test_the_rig_is_found(found):
 
 def test_the_result_is_as_agreed(found):
     result = json.loads(json_text(found.to_dict()))
+    check(result, SCHEMA, "it")
     assert result["schema"] == "tp-jax/identify/1"
     assert {
         "model", "method", "parameters", "objective", "chi2_dof", "noise_floor", "starts",

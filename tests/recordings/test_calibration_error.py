@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from tp_jax.acquisition.calibration import Calibration, SensorCalibration
-from tp_jax.acquisition.metadata import SCHEMA, calibration_entry, metadata_path, write_metadata
+from tp_jax.acquisition.metadata import calibration_entry, metadata_path, write_metadata
 from tp_jax.recordings import CalibrationError, CampaignError, load_campaign
+from tp_jax.schemas.recording import VERSION
 
 SINE = SensorCalibration("sine", np.array([1.65, 2.6]), np.array([[4e-6, 1e-6], [1e-6, 9e-4]]))
 BOTH = SensorCalibration(
@@ -22,7 +23,7 @@ def beside(recording, span=(-0.5, 0.5), phi1=SINE, phi2=BOTH):
     entry = calibration_entry(
         Calibration({"phi1": phi1, "phi2": phi2}, "rig.toml"), {"phi1": span, "phi2": span}
     )
-    write_metadata(recording, {"schema": SCHEMA, "calibration": entry})
+    write_metadata(recording, {"schema": VERSION, "calibration": entry})
 
 
 def test_what_was_recorded_is_read_back(campaign_folder):
@@ -100,9 +101,9 @@ def test_columns_of_ones_own_are_not_those_calibrated(campaign_folder, edit):
     [
         [],
         {"schema": "another/1", "calibration": 3},
-        {"schema": SCHEMA},
-        {"schema": SCHEMA, "calibration": {"source": "", "phi1": {"law": "sine"}}},
-        {"schema": SCHEMA, "calibration": {"phi1": {"standard_error": {"largest": 0.1}}}},
+        {"schema": VERSION},
+        {"schema": VERSION, "calibration": {"source": "", "phi1": {"law": "sine"}}},
+        {"schema": VERSION, "calibration": {"phi1": {"standard_error": {"largest": 0.1}}}},
     ],
 )
 def test_metadata_that_name_no_error(campaign_folder, content):
@@ -123,7 +124,7 @@ def test_metadata_that_name_no_error(campaign_folder, content):
 )
 def test_metadata_that_are_spoilt(campaign_folder, told):
     file = metadata_path(campaign_folder / "run-13.csv")
-    content = {"schema": SCHEMA, "calibration": {"phi1": {"standard_error": told}}}
+    content = {"schema": VERSION, "calibration": {"phi1": {"standard_error": told}}}
     file.write_text(told if isinstance(told, str) else json.dumps(content))
     with pytest.raises(CampaignError) as fault:
         load_campaign(campaign_folder)

@@ -1,13 +1,19 @@
 """Every fault is one line that names the file, its line and the mend."""
 
+import os
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tp_jax._files import LARGEST
+from tp_jax.acquisition import read_calibration
 from tp_jax.errors import InputError
 from tp_jax.recordings import CampaignError, load_campaign
+from tp_jax.recordings.lines import read_lines
+from tp_jax.schemas.diagnosis import read_diagnosis
 
 RUN = "run-13.csv"
 TOML = "campaign.toml"
@@ -358,3 +364,27 @@ def test_held_out_copy_of_a_fitted_file(campaign_folder, edit):
     edit(TOML, "run-17.csv", "copy.csv")
     edit(TOML, "omega = 17.0", "omega = 17.0\nheld_out = true")
     assert "copy.csv, held_out, are fitted as run-13.csv" in told(campaign_folder)
+
+
+@pytest.mark.parametrize("device", ["/dev/zero", "/dev/full", "pipe"])
+def test_what_has_no_end_is_not_read(device, tmp_path):
+    file = Path(device)
+    if device == "pipe":
+        file = tmp_path / "pipe"
+        os.mkfifo(file)
+    for read in (
+        lambda: read_lines(file),
+        lambda: read_calibration(file),
+        lambda: read_diagnosis(file),
+    ):
+        with pytest.raises(InputError, match="device or a pipe") as fault:
+            read()
+        assert "\n" not in str(fault.value)
+
+
+def test_a_file_that_is_too_large(tmp_path):
+    file = tmp_path / "run.csv"
+    with file.open("wb") as stream:
+        stream.truncate(LARGEST + 1)  # a hole
+    with pytest.raises(InputError, match="more than 2e9 bytes"):
+        load_campaign(file, omega=13.0)

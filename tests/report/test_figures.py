@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("matplotlib")
@@ -13,6 +14,7 @@ from matplotlib import image
 from matplotlib.figure import Figure
 
 from tp_jax.report import figures, style, write_report
+from tp_jax.report.figures.curves import curves_of
 
 DRAW = {
     "free_run": figures.free_run.draw,
@@ -187,3 +189,10 @@ def test_a_whole_report_needs_no_jax_and_no_pyplot(tmp_path):
         "assert not {'jax', 'matplotlib.pyplot'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2])
+
+
+def test_a_number_over_which_no_axis_can_be_drawn_breaks_the_curve():
+    entry = {"t": [0.0, 1.0, 2.0], "phi1": {"measured": [0.1, 1e308, 0.2]}}
+    (curve,) = curves_of(entry)
+    assert np.isnan(curve.measured).tolist() == [False, True, False]
+    assert curves_of(entry | {"t": [1e300, 1e301, 1e302]}) == []

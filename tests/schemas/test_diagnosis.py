@@ -7,8 +7,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.mutations import mutated
-from tests.schemas.small import diagnosis
+from scripts._attack.documents import mutated
+from scripts._attack.small import diagnosis
 from tp_jax.cli import main
 from tp_jax.errors import InputError
 from tp_jax.report import summary
@@ -61,14 +61,14 @@ def test_a_diagnosis_of_the_program_is_let_through(file):
 @pytest.mark.parametrize(
     ("path", "value", "said"),
     [
-        ("fits", del_, "lacks fits."),
-        ("fits/after", del_, "lacks fits.after."),
+        ("fits", del_, "fits is missing."),
+        ("fits/after", del_, "fits.after is missing."),
         ("fits/after", 3, "fits.after must be a table or null, but is 3."),
         ("fits/after/parameters/k", "0.45", "fits.after.parameters.k must be a number above"),
         ("fits/after/parameters/k", -0.45, "must be a number above zero, but is -0.45."),
         ("fits/after/parameters/k", 10**400, "but is a number of 401 digits."),
         ("fits/after/parameters/A", 1e308, "must be between -1e+30 and 1e+30, but is 1e+308."),
-        ("fits/after/parameters/Ts1", del_, "lacks fits.after.parameters.Ts1."),
+        ("fits/after/parameters/Ts1", del_, "fits.after.parameters.Ts1 is missing."),
         ("fits/after/nuisances/zero2", {}, "fits.after.nuisances.zero2 must be a table of one"),
         ("fits/after/nuisances/zero2", {"run-13.csv": None}, 'zero2["run-13.csv"] must be a'),
         ("fits/after/drift", {"run-13.csv": [1.0]}, 'drift["run-13.csv"] must be two numbers'),
@@ -108,7 +108,7 @@ def test_the_field_is_named(path, value, said, file):
         ("[]", "is not a diagnosis"),
         ('{"schema": "tp-jax/identify/1"}', "is not a diagnosis"),
         ('{"schema": "tp-jax/diagnosis/2"}', "of the version tp-jax/diagnosis/2"),
-        ("\ufeff{}", "is not JSON"),
+        ("\ufeff{}", "is not a diagnosis"),
     ],
 )
 def test_what_is_no_diagnosis(text, said, file):

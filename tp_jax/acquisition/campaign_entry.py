@@ -5,7 +5,7 @@ import os
 import tomllib
 from pathlib import Path
 
-from tp_jax._files import replaced
+from tp_jax._files import bytes_of, replaced
 from tp_jax.acquisition.metadata import metadata_path
 from tp_jax.acquisition.recorded import Recorded
 from tp_jax.errors import InputError
@@ -88,7 +88,7 @@ def append_entry(folder: Path, recorded: Recorded) -> bool:
 
 def _read(file: Path) -> str:
     try:
-        return file.read_bytes().decode("utf-8")
+        return bytes_of(file).decode("utf-8")
     except OSError as fault:
         raise InputError(f"Cannot read {file}: {fault.strerror}.") from fault
     except UnicodeDecodeError as fault:
@@ -108,7 +108,7 @@ def _with_entry(file: Path, old: str, entry: str) -> str:
     text = old + (gap + entry).replace("\n", ends)
     try:
         top = tomllib.loads(text.lstrip("\ufeff"))
-    except tomllib.TOMLDecodeError as fault:
+    except (ValueError, RecursionError) as fault:  # TOMLDecodeError is a ValueError
         raise InputError(
             f"{file}: a [[recording]] cannot be appended ({fault}); correct the file, or record "
             "into another folder."

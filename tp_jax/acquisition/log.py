@@ -14,7 +14,6 @@ from tp_jax.acquisition.clock import ClockFit, fit_clock
 from tp_jax.acquisition.device import Device
 from tp_jax.acquisition.frame_source import FrameSource
 from tp_jax.acquisition.metadata import (
-    SCHEMA,
     calibration_entry,
     clock_entry,
     identity_entry,
@@ -24,6 +23,7 @@ from tp_jax.acquisition.port import Port
 from tp_jax.acquisition.settings import Settings
 from tp_jax.acquisition.text_source import TextSource
 from tp_jax.acquisition.timeline import Gap
+from tp_jax.schemas.recording import VERSION
 
 LISTED_FROM = 0.05
 """Seconds from which on a gap is listed by itself; shorter ones are only counted."""
@@ -157,7 +157,7 @@ class Log:
             for gap in self._gaps
         ]
         return {
-            "schema": SCHEMA,
+            "schema": VERSION,
             "file": self._path.name,
             "columns": list(source.names),
             "state": state,

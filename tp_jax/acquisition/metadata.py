@@ -42,8 +42,6 @@ from tp_jax.acquisition.calibration import Calibration, SensorCalibration
 from tp_jax.acquisition.clock import ClockFit
 from tp_jax.acquisition.protocol import Identity
 
-SCHEMA = "tp-jax/recording/1"
-
 
 def metadata_path(recording: str | os.PathLike[str]) -> Path:
     """Where a recording's metadata are."""

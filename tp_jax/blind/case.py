@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tp_jax._files import replaced
 from tp_jax.blind.draw import applies, draw_rig, runs_of, usable
 from tp_jax.blind.hiding import LARGEST as LARGEST
 from tp_jax.blind.hiding import SMALLEST as SMALLEST
@@ -16,9 +17,15 @@ from tp_jax.blind.projection import FREE, Bench
 from tp_jax.blind.rough import RoughSettings
 from tp_jax.blind.rough_case import attempt
 from tp_jax.blind.written import readable, sha256
+from tp_jax.errors import InputError
 from tp_jax.rig import RigParameters, make_campaign
+from tp_jax.schemas.blind import CASE
+from tp_jax.schemas.checking import check, read_json
 
 ATTEMPTS = 20
+
+PART_OF_KEY = "key.json"
+"""In a case's sealed folder, until the trial is whole."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,9 +51,14 @@ def make_case(root: Path, case: Case, settings: Settings | RoughSettings) -> dic
 
     A case that was made before is not made again.
     """
-    part = root / "sealed" / case.name / "key.json"
+    part = root / "sealed" / case.name / PART_OF_KEY
     if part.is_file():
-        return json.loads(part.read_text(encoding="utf-8"))
+        try:
+            known = read_json(part)
+            check(known, CASE, str(part))
+            return known
+        except InputError:  # half a file, say: the same case is made anew from its seed
+            part.unlink()
     rng = np.random.default_rng(case.seed)
     for _ in range(ATTEMPTS):
         if isinstance(settings, RoughSettings):
@@ -54,7 +66,8 @@ def make_case(root: Path, case: Case, settings: Settings | RoughSettings) -> dic
         else:
             entry = _attempt(root, case, settings, rng)
         if entry is not None:
-            part.write_text(json.dumps(entry, indent=1, allow_nan=False), encoding="utf-8")
+            with replaced(part) as file:
+                file.write_text(json.dumps(entry, indent=1, allow_nan=False), encoding="utf-8")
             return entry
     raise RuntimeError(f"None of {ATTEMPTS} rigs gave a campaign for {case.name}.")
 

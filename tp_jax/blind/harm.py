@@ -8,15 +8,13 @@ error from the scatter of runs (none from a single one). A model that cannot be 
 the one before it could does harm.
 """
 
-import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tp_jax._files import replaced
+from tp_jax.blind.kept import kept
 from tp_jax.blind.seal import diagnosis_file
 from tp_jax.blind.sealed_runs import SHORTEST, numbers, together
 from tp_jax.effects import catalogue
@@ -24,6 +22,7 @@ from tp_jax.estimation.baseline import Setting, prepare_campaign
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.held_out import HeldOut, evaluate
+from tp_jax.schemas.blind import HARM
 
 TOLERATED = 0.02  # of before^2: less is no harm that anybody would notice
 NOTHING: dict[str, bool | None] = {"windowed": None, "free_run": None}
@@ -45,17 +44,13 @@ def measured_harm(
     """
     if not asked(diagnosis) or not set(diagnosis["fits"]["after"]["effects"]) <= set(catalogue()):
         return dict(NOTHING)
-    file = diagnosis_file(root, entry["case"])
-    kept = kept_file(root, entry["case"])
-    digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    if kept.is_file():
-        known = json.loads(kept.read_text(encoding="utf-8"))
-        if known.pop("diagnosis_sha256", None) == digest:
-            return known
-    found = _measure(root, entry, diagnosis)
-    with replaced(kept) as part:
-        part.write_text(json.dumps({"diagnosis_sha256": digest, **found}) + "\n", encoding="utf-8")
-    return found
+    case = entry["case"]
+    return kept(
+        kept_file(root, case),
+        diagnosis_file(root, case),
+        HARM,
+        lambda: _measure(root, entry, diagnosis),
+    )
 
 
 def kept_file(root: Path, case: str) -> Path:

@@ -10,14 +10,18 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import replaced
 from tp_jax._version import __version__
-from tp_jax.blind.case import Settings, make_case
+from tp_jax.blind.case import PART_OF_KEY, Settings, make_case
 from tp_jax.blind.plan import Case, plan_cases
 from tp_jax.blind.rough import RoughSettings
-from tp_jax.blind.seal import seal
+from tp_jax.blind.seal import seal, sealed_with
 from tp_jax.errors import InputError
 
 Progress = Callable[[str, float | None], None]
+
+NOTE = "trial.json"
+"""What a trial that grows is to be."""
 
 
 def make(
@@ -63,36 +67,48 @@ def make(
     if root.is_file() or (root.is_dir() and any(root.iterdir())):
         raise InputError(f"{directory} is not empty; give a new folder.")
     part = root.with_name(f".{root.name}.part")
-    _begin(part, {"cases": cases, "seed": seed, **kind, **dataclasses.asdict(settings)})
-    made: dict[str, dict[str, Any]] = {}
-    for name, entry in _made(part, plan, settings, workers):
-        made[name] = entry
-        if progress is not None:
-            progress("making cases", len(made) / len(plan))
+    wanted = {"cases": cases, "seed": seed, **kind, **dataclasses.asdict(settings)}
+    digest = _begin(part, wanted)
+    if digest is None:
+        made: dict[str, dict[str, Any]] = {}
+        for name, entry in _made(part, plan, settings, workers):
+            made[name] = entry
+            if progress is not None:
+                progress("making cases", len(made) / len(plan))
+        key = {
+            "version": __version__, "seed": seed, **kind, "settings": dataclasses.asdict(settings),
+            "cases": [made[case.name] for case in plan],
+        }  # fmt: skip
+        digest = seal(part, key)
+    # what it grew from goes last, so that nothing is lost where this is cut off
     for case in plan:  # each is in the key now
-        (part / "sealed" / case.name / "key.json").unlink()
-    (part / "trial.json").unlink()
-    key = {
-        "version": __version__, "seed": seed, **kind, "settings": dataclasses.asdict(settings),
-        "cases": [made[case.name] for case in plan],
-    }  # fmt: skip
-    digest = seal(part, key)
-    root.parent.mkdir(parents=True, exist_ok=True)
+        (part / "sealed" / case.name / PART_OF_KEY).unlink(missing_ok=True)
     if root.is_dir():
         root.rmdir()
+    (part / NOTE).unlink(missing_ok=True)
     part.rename(root)
     return digest
 
 
-def _begin(part: Path, wanted: dict[str, Any]) -> None:
-    """The folder in which a trial grows; what is there of another trial goes."""
-    note = part / "trial.json"
+def _begin(part: Path, wanted: dict[str, Any]) -> str | None:
+    """The folder in which a trial grows; what is there of another trial goes.
+
+    Returns:
+        Digest of the key where the trial is sealed already, and was cut off in being put into its
+        place.
+    """
+    note = part / NOTE
     if part.is_dir():
+        digest = sealed_with(part, __version__, wanted)
+        if digest is not None:
+            return digest
         if note.is_file() and note.read_text(encoding="utf-8") == json.dumps(wanted):
-            return
+            return None
         shutil.rmtree(part)
     part.mkdir(parents=True)
-    note.write_text(json.dumps(wanted), encoding="utf-8")
+    with replaced(note) as file:
+        file.write_text(json.dumps(wanted), encoding="utf-8")
+    return None
 
 
 def _made(

@@ -7,24 +7,52 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import replaced
 from tp_jax.errors import InputError
+from tp_jax.schemas.blind import KEY as KEY_SCHEMA
+from tp_jax.schemas.blind import KEY_VERSION
+from tp_jax.schemas.checking import read_versioned
+from tp_jax.schemas.diagnosis import read_diagnosis as read_diagnosis_file
 
 KEY = Path("sealed", "key.json")
 COMMITMENT = "KEY.sha256"
-SCHEMA = "tp-jax/blind-key/1"
 
 
 def seal(root: Path, key: Mapping[str, Any]) -> str:
     """Writes the key for its owner's eyes only, and its SHA-256 for everybody's; returns that."""
-    text = json.dumps({"schema": SCHEMA, **key}, indent=1, allow_nan=False).encode()
+    text = json.dumps({"schema": KEY_VERSION, **key}, indent=1, allow_nan=False).encode()
     digest = hashlib.sha256(text).hexdigest()
     file = root / KEY
     file.parent.mkdir(parents=True, exist_ok=True)
     os.chmod(file.parent, 0o700)
-    with open(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
-        stream.write(text)
-    (root / COMMITMENT).write_text(f"{digest}  {KEY.as_posix()}\n", encoding="ascii")
+    with replaced(file) as part:  # never there in half, whatever happens to the process
+        with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
+            stream.write(text)
+    with replaced(root / COMMITMENT) as part:
+        part.write_text(f"{digest}  {KEY.as_posix()}\n", encoding="ascii")
     return digest
+
+
+def sealed_with(root: Path, version: str, wanted: Mapping[str, Any]) -> str | None:
+    """Digest of the key of a trial that is made by this version and as wanted; None: it is not.
+
+    Args:
+        root: the trial's folder.
+        version: of the program.
+        wanted: number of cases, seed and settings, as `make` takes them.
+    """
+    try:
+        text = (root / KEY).read_bytes()
+        committed = (root / COMMITMENT).read_text(encoding="ascii").split()[0]
+        key = json.loads(text)
+        made = {
+            "cases": len(key["cases"]), "seed": key["seed"],
+            **({"rigs": key["rigs"]} if "rigs" in key else {}), **key["settings"],
+        }  # fmt: skip
+    except (OSError, ValueError, IndexError, KeyError, TypeError):
+        return None
+    same = json.dumps(made) == json.dumps(wanted) and key.get("version") == version
+    return committed if same and hashlib.sha256(text).hexdigest() == committed else None
 
 
 def case_names(root: Path) -> list[str]:
@@ -81,7 +109,7 @@ def open_key(root: Path, first: int | None = None) -> dict[str, Any]:
             f"{root / KEY} is not the key that {COMMITMENT} commits to; the trial is void, "
             "make another."
         )
-    key = json.loads(text)
+    key = read_versioned(root / KEY, KEY_SCHEMA, "a key", "score it with the program that made it")
     if [entry["case"] for entry in key["cases"]] != names:
         raise InputError(f"The cases in {root} are not those of its key; put them back.")
     return {**key, "cases": key["cases"][:first], "sha256": committed}
@@ -94,11 +122,8 @@ def read_diagnosis(root: Path, entry: Mapping[str, Any]) -> dict[str, Any]:
         InputError: it is no diagnosis, or one of other data.
     """
     file = diagnosis_file(root, entry["case"])
-    try:
-        diagnosis = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as fault:
-        raise InputError(f"{file} is no diagnosis: {fault}.") from fault
-    if not isinstance(diagnosis, dict) or "verdict" not in diagnosis:
+    diagnosis = read_diagnosis_file(file, fits=False)
+    if "verdict" not in diagnosis:
         raise InputError(f"{file} is no diagnosis: it has no verdict.")
     seen = (diagnosis.get("provenance") or {}).get("data_sha256")
     if seen is not None and seen != entry["sha256"]:

@@ -6,14 +6,12 @@ with, refitted to the fitted recordings of the case.
 """
 
 import dataclasses
-import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from tp_jax._files import replaced
 from tp_jax.blind import truth
+from tp_jax.blind.kept import kept
 from tp_jax.blind.seal import diagnosis_file
 from tp_jax.effects import catalogue
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
@@ -22,6 +20,7 @@ from tp_jax.gap.directions import variants
 from tp_jax.gap.held_out import evaluate, shrink
 from tp_jax.gap.refit import refit, sharper
 from tp_jax.recordings import Campaign, load_campaign
+from tp_jax.schemas.blind import SHRINK
 
 SHORTEST = 0.5  # s: windows of a diagnosis that does not say how long they were
 ITERATIONS = 12
@@ -37,16 +36,9 @@ def measured(
     there the next time.
     """
     file = diagnosis_file(root, entry["case"])
-    kept = file.with_name("sealed.json")
-    digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    if kept.is_file():
-        known = json.loads(kept.read_text(encoding="utf-8"))
-        if known.pop("diagnosis_sha256", None) == digest:
-            return known
-    found = _measure(root, entry, diagnosis)
-    with replaced(kept) as part:
-        part.write_text(json.dumps({"diagnosis_sha256": digest, **found}) + "\n", encoding="utf-8")
-    return found
+    return kept(
+        file.with_name("sealed.json"), file, SHRINK, lambda: _measure(root, entry, diagnosis)
+    )
 
 
 def _measure(

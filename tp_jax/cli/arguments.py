@@ -39,6 +39,7 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         # "argument --rate: must be ..." -> "Argument --rate must be ..."
         message = re.sub(r"^argument ([^:]+): must ", r"argument \1 must ", message)
+        message = " ".join(message.split())  # a word may hold a line end
         sentence = message[:1].upper() + message[1:].rstrip(".")
         self.exit(2, f"tp-jax: {sentence}; see {self.prog} --help.\n")
 

@@ -3,7 +3,12 @@
 import argparse
 from pathlib import Path
 
-from tp_jax.cli.arguments import add_common, add_json, add_seed, count
+from tp_jax.cli.arguments import add_common, add_json, add_seed, count, whole
+
+MOST_CASES = 100_000
+"""Of a trial: a month of making them, and longer to diagnose them."""
+
+MOST_WORKERS = 1_000
 
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
@@ -24,7 +29,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     make.add_argument("directory", metavar="DIR", help="where to; must be empty or not there")
     make.add_argument(
-        "--cases", metavar="N", type=count, default=440, help="how many (default 440)"
+        "--cases", metavar="N", type=cases, default=440, help="how many (default 440)"
     )
     make.add_argument(
         "--rigs", choices=("clean", "rough"), default="clean",
@@ -32,7 +37,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "converters, drives and numbers differ from case to case",
     )  # fmt: skip
     make.add_argument(
-        "--workers", metavar="N", type=count, help="processes (default: as many as processors)"
+        "--workers", metavar="N", type=processes, help="processes (default: as many as processors)"
     )
     add_seed(make)
     add_common(make)
@@ -59,8 +64,23 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     score.set_defaults(run=run_score)
 
 
+def cases(text: str) -> int:
+    """A number of cases."""
+    return whole(text, least=1, most=MOST_CASES)
+
+
+def processes(text: str) -> int:
+    """A number of processes."""
+    return whole(text, least=1, most=MOST_WORKERS)
+
+
 def run_make(args: argparse.Namespace) -> None:
     import os
+
+    from tp_jax.cli.output import made_folder
+
+    # before anything is loaded; the trial grows beside its place
+    made_folder(Path(args.directory).resolve().parent)
 
     from tp_jax.blind import make
     from tp_jax.cli.progress import shown

@@ -3,9 +3,19 @@
 import argparse
 from pathlib import Path
 
-from tp_jax.cli.arguments import add_campaign, add_common, add_json, add_seed, load
+from tp_jax.cli.arguments import (
+    LARGEST_ANGLE,
+    add_campaign,
+    add_common,
+    add_json,
+    add_seed,
+    load,
+    non_negative,
+    up_to,
+)
 from tp_jax.cli.output import plain, ready, replaced, write_json
-from tp_jax.errors import InputError
+
+tolerance = up_to(non_negative, LARGEST_ANGLE, "rad")
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "case-02"
 
@@ -24,7 +34,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--out", metavar="DIR", help="gets report.html and diagnosis.json (./NAME-diagnosis)"
     )
     parser.add_argument(
-        "--tolerance", metavar="X", type=float, default=0.0,
+        "--tolerance", metavar="X", type=tolerance, default=0.0,
         help="rad rms; a gap below it matters to nobody (0)",
     )  # fmt: skip
     add_seed(parser)
@@ -43,8 +53,6 @@ def run(args: argparse.Namespace) -> None:
     campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
     report = folder / "report.html"
-    if not 0.0 <= args.tolerance < float("inf"):
-        raise InputError(f"--tolerance {args.tolerance:g} must be an angle in rad, zero or more.")
     ready(report, args.json)
 
     import tp_jax as tp

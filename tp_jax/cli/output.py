@@ -136,7 +136,7 @@ def write_trajectory(target: str | None, trajectory: "Trajectory") -> None:
     """CSV with the header t,phi1,phi2 (single: t,phi1); without a target to standard output."""
     import numpy as np
 
-    from tp_jax.recordings import write_csv
+    from tp_jax.recordings.writer import csv_text
 
     columns = [np.asarray(trajectory.t), np.asarray(trajectory.phi1)]
     if trajectory.phi2 is not None:
@@ -144,10 +144,7 @@ def write_trajectory(target: str | None, trajectory: "Trajectory") -> None:
     if not all(np.isfinite(column).all() for column in columns):
         raise RuntimeError("the solver did not reach the end of the run")
 
-    with tempfile.TemporaryDirectory() as folder:
-        part = Path(folder, "trajectory.csv")
-        write_csv(part, *columns)
-        text = part.read_text(encoding="utf-8")
+    text = csv_text(*columns)
     if target is None or target == STANDARD_OUTPUT:
         sys.stdout.write(text)
     else:

@@ -8,8 +8,7 @@ from typing import Any
 
 from tp_jax._files import replaced
 from tp_jax.errors import InputError
-
-SCHEMA = "tp-jax/starts/1"
+from tp_jax.schemas.starts import VERSION, read_starts
 
 
 class Checkpoint:
@@ -27,7 +26,7 @@ class Checkpoint:
     @property
     def digest(self) -> str:
         """SHA-256 of the key."""
-        return hashlib.sha256(json.dumps(self.key, sort_keys=True).encode()).hexdigest()
+        return digest_of(self.key)
 
     def resume(self) -> int:
         """Reads what is there; how many results that is.
@@ -35,26 +34,21 @@ class Checkpoint:
         Raises:
             InputError: the file is missing, cannot be read, or is of other data or settings.
         """
-        try:
-            stored = json.loads(self.path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            raise InputError(
-                f"There is nothing to resume at {self.path}; start without --resume."
-            ) from None
-        except (OSError, ValueError) as fault:
-            raise InputError(
-                f"Cannot resume from {self.path}, which cannot be read ({fault}); start without "
-                "--resume."
-            ) from fault
-        if not isinstance(stored, dict) or stored.get("schema") != SCHEMA:
-            raise InputError(f"Cannot resume from {self.path}, which holds no starts; remove it.")
-        if stored.get("sha256") != self.digest:
-            other = stored.get("key", {})
+        if not self.path.is_file():
+            raise InputError(f"There is nothing to resume at {self.path}; start without --resume.")
+        stored = read_starts(self.path)
+        if stored["sha256"] != self.digest:
+            other = stored["key"]
             changed = [n for n in sorted({*self.key, *other}) if self.key.get(n) != other.get(n)]
             raise InputError(
                 f"Cannot resume from {self.path}, which is of another search (it differs in "
                 f"{', '.join(changed) or 'its contents'}); start without --resume, or with the "
                 "same data and settings."
+            )
+        if stored["done_sha256"] != digest_of(stored["done"]):
+            raise InputError(
+                f"Cannot resume from {self.path}, whose starts were changed after they ended; "
+                "start without --resume."
             )
         self.done = stored["done"]
         return len(self.done)
@@ -63,8 +57,16 @@ class Checkpoint:
         """Adds results and writes the file: what was there stays until the new one is whole."""
         self.done.update(results)
         text = json.dumps(
-            {"schema": SCHEMA, "sha256": self.digest, "key": self.key, "done": self.done}
-        )
+            {
+                "schema": VERSION, "sha256": self.digest, "key": self.key,
+                "done_sha256": digest_of(self.done), "done": self.done,
+            }
+        )  # fmt: skip
         self.path.parent.mkdir(parents=True, exist_ok=True)
         with replaced(self.path) as part:
             part.write_text(text, encoding="utf-8")
+
+
+def digest_of(content: Mapping[str, Any]) -> str:
+    """SHA-256 of what JSON can hold; the same after it was written and read."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

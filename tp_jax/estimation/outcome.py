@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tp_jax.errors import InputError
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit, parameter
 
@@ -61,7 +62,7 @@ class Outcome:
         out: dict[str, Any] = {}
         for name, value in dataclasses.asdict(self).items():
             if isinstance(value, np.ndarray):
-                out[name] = value.tolist()
+                out[name] = np.where(np.isfinite(value), value, None).tolist()
             else:
                 finite = not isinstance(value, float) or math.isfinite(value)
                 out[name] = value if finite else None
@@ -69,11 +70,26 @@ class Outcome:
 
     @classmethod
     def from_dict(cls, stored: dict[str, Any]) -> "Outcome":
-        """The same again, to the last digit."""
-        arrays = {
-            n: None if stored[n] is None else np.array(stored[n], dtype=float)
-            for n in ("x", "information", "states")
-        }
+        """The same again, to the last digit.
+
+        Raises:
+            InputError: its arrays are none, or do not belong together.
+        """
+        try:
+            arrays = {
+                n: None if stored[n] is None else np.array(stored[n], dtype=float)
+                for n in ("x", "information", "states")
+            }
+            x, H, states = arrays.values()
+            fits = x.ndim == 1 and H.shape == (x.size, x.size)
+            fits &= states is None or (states.ndim == 2 and states.shape[1] == 4)
+        except (AttributeError, TypeError, ValueError, OverflowError):
+            fits = False
+        if not fits:
+            raise InputError(
+                "A start that was kept has other numbers than it ended with; start without "
+                "--resume."
+            )
         numbers = {
             n: np.inf if stored[n] is None else stored[n] for n in ("cost", "chi2_dof", "objective")
         }

@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.recordings.faults import CampaignError, reason
-
-SCHEMA = "tp-jax/recording/1"
+from tp_jax.errors import InputError
+from tp_jax.recordings.faults import CampaignError
+from tp_jax.schemas.checking import Misfit, check, read_json
+from tp_jax.schemas.recording import SCHEMA, VERSION
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,21 +70,20 @@ def read_calibration_error(recording: Path) -> dict[str, CalibrationError]:
     file = Path(f"{recording}.meta.json")
     if not file.is_file():
         return {}
+    mend = "restore what was recorded, or move the file away"
     try:
-        content = json.loads(file.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise CampaignError(
-            file, f"the file cannot be read ({reason(error)})", "make it readable or move it away"
-        ) from error
-    except ValueError as error:
-        raise CampaignError(
-            file, "this is no JSON", "restore what was recorded, or move the file away"
-        ) from error
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        return {}
+        content = read_json(file)
+        if not isinstance(content, dict) or content.get("schema") != VERSION:
+            return {}
+        check(content, SCHEMA, str(file))
+    except Misfit as fault:
+        raise CampaignError(file, fault.said, mend) from fault
+    except InputError as fault:
+        wrong = str(fault).removeprefix(f"{file} ").rstrip(".")
+        raise CampaignError(file, f"the file {wrong}", mend) from fault
     calibration = content.get("calibration")
     found = {}
-    for name, sensor in calibration.items() if isinstance(calibration, dict) else ():
+    for name, sensor in (calibration or {}).items():
         error = _sensor(file, name, sensor) if isinstance(sensor, dict) else None
         if error is not None:
             found[name] = error
@@ -94,19 +94,15 @@ def _sensor(file: Path, name: str, sensor: Mapping[str, Any]) -> CalibrationErro
     told = sensor.get("standard_error")
     if not isinstance(told, dict) or not told.get("modes"):
         return None
-    try:
-        # null: where a reading says nothing of the angle; the nearest that does stands for it
-        angle = np.array(told["angle"], dtype=float)
-        modes = np.array(told["modes"], dtype=float)
-        fits = angle.ndim == 1 and modes.ndim == 2 and modes.shape[1] == angle.size
-    except (KeyError, TypeError, ValueError):
-        fits = False
-    if not fits or not np.isfinite(angle).all() or (np.diff(angle) <= 0.0).any():
+    angle = np.array(told["angle"], dtype=float)
+    if {len(row) for row in told["modes"]} != {angle.size} or (np.diff(angle) <= 0.0).any():
         raise CampaignError(
             file,
             f"the standard_error of {name} is no list of rising angles with modes of that length",
             "restore what was recorded, or move the file away",
         )
+    # null: where a reading says nothing of the angle; the nearest that does stands for it
+    modes = np.array(told["modes"], dtype=float)
     known = np.isfinite(modes).all(axis=0)
     if known.sum() < 2 or not modes[:, known].any():
         return None

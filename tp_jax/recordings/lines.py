@@ -5,6 +5,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from tp_jax._files import bytes_of
 from tp_jax.recordings.faults import CampaignError, nearest, reason
 
 
@@ -36,7 +37,7 @@ def read_bytes(file: Path) -> bytes:
         mend = f'did you mean "{near}"?' if near else "correct the name or put the file there"
         raise CampaignError(file, "there is no such file", mend)
     try:
-        return file.read_bytes()
+        return bytes_of(file)
     except OSError as error:
         raise CampaignError(
             file, f"the file cannot be read ({reason(error)})", "name a data file that can be read"

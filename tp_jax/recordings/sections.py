@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
+from tp_jax._files import bytes_of
 from tp_jax.recordings.faults import CampaignError, listed, nearest, reason
 from tp_jax.recordings.units import named
 
@@ -172,7 +173,7 @@ def read_toml(file: Path) -> Section:
         CampaignError: the file cannot be read or is no TOML.
     """
     try:
-        text = file.read_bytes().decode("utf-8-sig")
+        text = bytes_of(file).decode("utf-8-sig")
     except OSError as error:
         raise CampaignError(
             file, f"the file cannot be read ({reason(error)})", "name a text file that can be read"
@@ -184,7 +185,8 @@ def read_toml(file: Path) -> Section:
     lines = text.replace("\r\n", "\n").split("\n")
     try:
         values = tomllib.loads(text)
-    except ValueError as error:  # TOMLDecodeError is one; a number of 5000 digits raises another
+    # TOMLDecodeError is a ValueError; a number of 5000 digits raises another
+    except (ValueError, RecursionError) as error:
         what, _, place = str(error).rstrip(")").partition(" (at ")
         at = re.match(r"line (\d+)", place)
         raise CampaignError(

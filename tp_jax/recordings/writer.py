@@ -1,5 +1,6 @@
 """Writing recordings as CSV."""
 
+import io
 import os
 
 import numpy as np
@@ -33,6 +34,19 @@ def write_csv(
         ValueError: the columns differ in length or are not one-dimensional.
         OSError: the file cannot be written.
     """
+    text = csv_text(t, phi1, phi2, drive)
+    with replaced(path) as part:
+        part.write_text(text, encoding="utf-8", newline="\n")
+
+
+def csv_text(
+    t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None, drive: ArrayLike | None = None
+) -> str:
+    """What `write_csv` writes.
+
+    Raises:
+        ValueError: the columns differ in length or are not one-dimensional.
+    """
     columns = {"t": t, "phi1": phi1, "phi2": phi2, "drive": drive}
     columns = {name: column for name, column in columns.items() if column is not None}
     arrays = [np.asarray(column, dtype=float) for column in columns.values()]
@@ -41,6 +55,7 @@ def write_csv(
             f"{name} {array.shape}" for name, array in zip(columns, arrays, strict=True)
         )
         raise ValueError(f"The columns must be one-dimensional and of one length, but are {shapes}")
-    with replaced(path) as part, part.open("w", encoding="utf-8", newline="\n") as stream:
-        stream.write(",".join(columns) + "\n")
-        np.savetxt(stream, np.column_stack(arrays), fmt="%.17g", delimiter=",")
+    stream = io.StringIO()
+    stream.write(",".join(columns) + "\n")
+    np.savetxt(stream, np.column_stack(arrays), fmt="%.17g", delimiter=",")
+    return stream.getvalue()

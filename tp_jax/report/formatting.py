@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from tp_jax.schemas.checking import LARGEST
+
 MISSING = "–"
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _MOST_DIGITS = 9
@@ -11,14 +13,14 @@ _SMALLEST, _LARGEST = -3, 5  # powers of ten written out
 
 
 def finite(value: Any) -> float | None:
-    """The value as a float; None for everything that is no finite number."""
+    """The value as a float; None for everything that is no number of a result."""
     if isinstance(value, bool):
         return None
     try:
         number = float(value)
     except (TypeError, ValueError, OverflowError):  # a whole number of 400 digits
         return None
-    return number if math.isfinite(number) else None
+    return number if abs(number) <= LARGEST else None
 
 
 def number(value: Any, digits: int = 3) -> str:

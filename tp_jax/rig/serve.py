@@ -58,7 +58,12 @@ class Terminal:
                 "This system has no pseudo-terminals, which the virtual rig needs; use Linux or "
                 "macOS."
             )
-        self._folder = Path(tempfile.mkdtemp(prefix="tp-jax-rig-"))
+        try:
+            self._folder = Path(tempfile.mkdtemp(prefix="tp-jax-rig-"))
+        except FileNotFoundError as fault:  # it tries all, and names them
+            raise InputError(
+                "No folder for temporary files can be written to; make room, or set TMPDIR."
+            ) from fault
         self.path = self._folder / "port"
         self.master: int | None = None
         self._slave = -1

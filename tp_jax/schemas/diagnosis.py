@@ -7,45 +7,23 @@ so most of it may be; `fits`, from which predictions are made, has to be whole.
 from pathlib import Path
 from typing import Any
 
-from tp_jax.errors import InputError
-from tp_jax.schemas.checking import check, read_json
+from tp_jax.schemas.checking import read_versioned
+from tp_jax.schemas.parts import (
+    ABOVE_ZERO,
+    FLAG,
+    INTERVAL,
+    NAME,
+    NUMBER,
+    NUMBER_OR_NULL,
+    SIZES,
+    TEXT,
+    each,
+    listed,
+    maybe,
+    table,
+)
 
 VERSION = "tp-jax/diagnosis/1"
-
-NUMBER = {"type": "number", "says": "a number"}
-NUMBER_OR_NULL = {"type": ["number", "null"], "says": "a number or null"}
-ABOVE_ZERO = {
-    "type": "number", "exclusiveMinimum": 0, "says": "a number above zero",
-}  # fmt: skip
-TEXT = {"type": ["string", "null"], "says": "a text or null"}
-NAME = {"type": "string", "says": "a text"}
-FLAG = {"type": ["boolean", "null"], "says": "true, false or null"}
-INTERVAL = {
-    "type": ["array", "null"], "items": NUMBER_OR_NULL, "minItems": 2, "maxItems": 2,
-    "says": "two numbers or null",
-}  # fmt: skip
-
-
-def table(fields: dict[str, Any] | None = None, required: tuple[str, ...] = (), **more: Any):
-    """A table that must be there; what is not among its fields may be anything."""
-    schema = {"type": "object", "properties": fields or {}, "required": list(required)}
-    return {**schema, "says": "a table", **more}
-
-
-def maybe(schema: dict[str, Any]) -> dict[str, Any]:
-    """The same, or null."""
-    return {**schema, "type": [schema["type"], "null"], "says": f"{schema['says']} or null"}
-
-
-def each(entry: dict[str, Any], says: str = "a table", **more: Any) -> dict[str, Any]:
-    """A table of any keys whose entries are all alike."""
-    return {"type": "object", "additionalProperties": entry, "says": says, **more}
-
-
-def listed(entry: dict[str, Any], says: str = "a list") -> dict[str, Any]:
-    """A list of entries that are alike, or null."""
-    return {"type": ["array", "null"], "items": entry, "says": f"{says} or null"}
-
 
 _COLUMN = ("B1", "k", "A", "c1", "M1")
 _RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
@@ -88,7 +66,6 @@ FIT = table(
     },
 )
 
-_SIZES = maybe(each(maybe(table({"value": NUMBER_OR_NULL, "unit": TEXT, "ci95": INTERVAL}))))
 _ERRORS = maybe(table({"windowed": NUMBER_OR_NULL, "free_run": NUMBER_OR_NULL}))
 _STATE = {
     "type": ["array", "null"], "items": NUMBER, "minItems": 4, "maxItems": 4,
@@ -136,7 +113,7 @@ SCHEMA: dict[str, Any] = {
                         "channel": TEXT,
                         "probability": NUMBER_OR_NULL,
                         "shrink": NUMBER_OR_NULL,
-                        "parameters": _SIZES,
+                        "parameters": SIZES,
                     },
                     ("effect",),
                 )
@@ -159,7 +136,7 @@ SCHEMA: dict[str, Any] = {
             "confused_with": listed(
                 {"type": "array", "items": NAME, "says": "a list of effects"}, "a list of groups"
             ),
-            "minimum_detectable": _SIZES,
+            "minimum_detectable": SIZES,
             "absorbed": maybe(
                 each(
                     maybe(
@@ -174,7 +151,7 @@ SCHEMA: dict[str, Any] = {
                 )
             ),
             "fits": table({"before": FIT, "after": maybe(FIT)}, ("before", "after")),
-            "parameters": _SIZES,
+            "parameters": SIZES,
             "next_experiment": maybe(
                 table(
                     {
@@ -209,21 +186,20 @@ SCHEMA: dict[str, Any] = {
 }
 
 
-def read_diagnosis(path: str | Path) -> dict[str, Any]:
+WITHOUT_FITS = {**SCHEMA, "required": []}
+"""A diagnosis that is only looked at."""
+
+
+def read_diagnosis(path: str | Path, *, fits: bool = True) -> dict[str, Any]:
     """A diagnosis.json, checked.
+
+    Args:
+        path: the file.
+        fits: whether they have to be there; nothing is predicted without.
 
     Raises:
         InputError: it cannot be read, is of another version, or a field is not what it must be;
             the sentence names the field.
     """
-    diagnosis = read_json(path)
-    version = diagnosis.get("schema") if isinstance(diagnosis, dict) else None
-    if version != VERSION:
-        if isinstance(version, str) and version.startswith("tp-jax/diagnosis/"):
-            raise InputError(
-                f"{path} is of the version {version[:60]}, but this program reads {VERSION}; "
-                "diagnose the campaign again."
-            )
-        raise InputError(f'{path} is not a diagnosis: it lacks "schema": "{VERSION}".')
-    check(diagnosis, SCHEMA, str(path))
-    return diagnosis
+    schema = SCHEMA if fits else WITHOUT_FITS
+    return read_versioned(path, schema, "a diagnosis", "diagnose the campaign again")

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tp_jax.report import reading
+from tp_jax.schemas.checking import LARGEST
 
 MOST_POINTS = 600
 
@@ -95,4 +96,6 @@ def _array(given: Any) -> np.ndarray | None:
         array = np.asarray(given, dtype=float)  # null becomes NaN: a break in the curve
     except (TypeError, ValueError, OverflowError):
         return None
+    # what is no angle or time of anything breaks the curve too: an axis cannot be so long
+    array = np.where(np.abs(array) <= LARGEST, array, np.nan)
     return array if array.ndim == 1 and np.isfinite(array).any() else None

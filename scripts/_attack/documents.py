@@ -1,5 +1,6 @@
-"""Ways to spoil a JSON document, one at a time, by a seed."""
+"""Ways to spoil a JSON document, a few at a time, by a seed."""
 
+import contextlib
 import copy
 import random
 from typing import Any
@@ -41,7 +42,9 @@ def mutated(document: Any, seed: int, under: tuple = ()) -> Any:
         elif kind < 0.3 and isinstance(holder, dict):
             holder[random_.choice(("x", "", "k", f"{last} "))] = holder.pop(last)
         elif kind < 0.45 and isinstance(holder[last], int | float):
-            holder[last] = holder[last] * random_.choice((-1, 1e3, 1e-3, 1e12, 1e-12, 0))
+            factor = random_.choice((-1, 1e3, 1e-3, 1e12, 1e-12, 0))
+            with contextlib.suppress(OverflowError):  # 10**400 stays as it is
+                holder[last] = holder[last] * factor
         elif kind < 0.5 and isinstance(holder, list):
             holder.append(copy.deepcopy(random_.choice(VALUES)))
         else:
