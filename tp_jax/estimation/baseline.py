@@ -27,10 +27,12 @@ from tp_jax.recordings import (
     Campaign,
     Colour,
     Recording,
+    block_length,
     noise_colour,
     noise_floor,
     same_rate,
     stretches,
+    thinned,
 )
 
 log = logging.getLogger(__name__)
@@ -65,6 +67,7 @@ class Setting:
         bounds: by name, where the user gave them.
         widths: (r,) samples of the window that smooths a recording.
         period: of the column's motion, typically [s].
+        blocks: (r,) samples of which each of a recording's is the mean (`recordings.thinning`).
     """
 
     campaign: Campaign
@@ -81,6 +84,7 @@ class Setting:
     bounds: dict[str, tuple[float, float]]
     widths: np.ndarray
     period: float
+    blocks: tuple[int, ...] = ()
 
     @functools.cached_property
     def programs(self) -> Programs:
@@ -168,9 +172,10 @@ def prepare_campaign(
     effects: Sequence[Effect] | None = None,
 ) -> Setting:
     """Reads noise, sampling and period off the recordings and lays out the estimation."""
-    recordings = campaign.recordings
+    period = _period([r for r in campaign.recordings if not r.held_out])
+    blocks = tuple(block_length(r, period) for r in campaign.recordings)
+    recordings = tuple(map(thinned, campaign.recordings, blocks))
     fitted = [r for r in recordings if not r.held_out]
-    period = _period(fitted)
     noise = noise_floor(fitted)
     colours = _colours(recordings, period)
     for c, name in enumerate(noise):
@@ -204,7 +209,7 @@ def prepare_campaign(
     fixed |= fix or {}
     return Setting(
         campaign, recordings, layout, prepared, noise, sigma, horizons, sample_capacity(counts),
-        fixed, priors, model, dict(bound or {}), widths, period,
+        fixed, priors, model, dict(bound or {}), widths, period, blocks,
     )  # fmt: skip
 
 

@@ -41,6 +41,12 @@ def notes(
             f"The noise floor includes {sizes} that the calibration's error is expected to leave; "
             "an effect has to stand out from it."
         )
+    blocks = sorted({n for n in setting.blocks if n > 1})
+    if blocks:
+        said.append(
+            f"Recordings have far more samples than their motion needs: each {_joined(blocks)} are "
+            "averaged, and the noise is that of the means."
+        )
     eps = sorted({f.values.get("eps2") for f in (choice.baseline, final.fit)})
     said.append(f"The friction's smoothing is eps = {' or '.join(f'{x:g}' for x in eps)} s.")
     if not final.fit.converged or not choice.baseline.converged:
@@ -74,6 +80,10 @@ def notes(
         said.append("No effect of the catalogue explains the gap.")
         said += _likeness(anything)
     return said
+
+
+def _joined(numbers: Sequence[int]) -> str:
+    return " or ".join(map(str, numbers))
 
 
 def _likeness(anything: FreeStructure) -> list[str]:

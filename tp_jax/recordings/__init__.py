@@ -10,6 +10,7 @@
     campaign                    all of them together: `load_campaign`
     arrays                      recordings and campaigns without files
     gaps                        where samples were lost
+    thinning                    means of blocks, where there are samples to spare
     noise, smooth, holdout      noise levels, starting states, what is never fitted
     calibration_error           how far a calibration may have put the angles off
     writer                      CSV out
@@ -38,4 +39,6 @@ from tp_jax.recordings.noise_colour import same_rate as same_rate
 from tp_jax.recordings.recording import Recording as Recording
 from tp_jax.recordings.smooth import Smoothed as Smoothed
 from tp_jax.recordings.smooth import local_polynomial as local_polynomial
+from tp_jax.recordings.thinning import block_length as block_length
+from tp_jax.recordings.thinning import thinned as thinned
 from tp_jax.recordings.writer import write_csv as write_csv
