@@ -27,7 +27,7 @@ SCHEMA = "tp-jax/bench/1"
 NUMBERS = "bench.json"
 MEASURES = (
     "precision", "single", "sweep", "sensitivities", "stuck", "robustness", "control", "scaling",
-    "shell", "diagnosis", "identification", "simplices",
+    "shell", "diagnosis", "rates", "identification", "simplices",
 )  # fmt: skip
 
 

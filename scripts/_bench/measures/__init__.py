@@ -7,6 +7,7 @@ from . import (
     diagnosis,
     identification,
     precision,
+    rates,
     robustness,
     scaling,
     sensitivities,
@@ -30,6 +31,7 @@ MEASURES: dict[str, Callable] = {
         scaling,
         shell,
         diagnosis,
+        rates,
         identification,
         simplices,
     )

@@ -22,14 +22,16 @@ import json, resource, subprocess, sys, time
 start = time.perf_counter()
 code = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
 took = time.perf_counter() - start
-print(json.dumps([code, took, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss]))
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(json.dumps([code, took, used.ru_utime + used.ru_stime, used.ru_maxrss]))
 """
 
 
 class Took(NamedTuple):
-    """Seconds of a process, and gigabytes (1e9 bytes) at the most."""
+    """Seconds of a process, those of all processors, and gigabytes (1e9 bytes) at the most."""
 
     seconds: float
+    cpu: float
     gigabytes: float
 
 
@@ -40,7 +42,7 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
         with tempfile.TemporaryDirectory() as folder:
             for call in range(1 + -(-b.scale.pairs // COLD)):
                 b.tell(f"diagnosis {k + 1}.{call + 1}")
-                took = _diagnosed(Path(folder))
+                took = diagnosed(Path(folder))
                 calls["warm" if call else "cold"].append(took)
     numbers, rows = {}, []
     for kind, several in calls.items():
@@ -56,19 +58,17 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
     return numbers, rows
 
 
-def _command(out: Path) -> list[str]:
-    return [sys.executable, "-m", "tp_jax", "--quiet", "diagnose", "--out", str(out)]
-
-
-def _diagnosed(folder: Path) -> Took:
-    """One call, with its caches in this folder."""
+def diagnosed(folder: Path, campaign: Path | None = None) -> Took:
+    """One call, with its caches in this folder; of the package's example if none is given."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder)}
     for name in ("TP_JAX_CACHE", "JAX_COMPILATION_CACHE_DIR"):
         environment.pop(name, None)
-    watched = [sys.executable, "-c", WATCH, *_command(folder / "out")]
+    command = [sys.executable, "-m", "tp_jax", "--quiet", "diagnose"]
+    command += ["--out", str(folder / "out"), *([str(campaign)] if campaign else [])]
+    watched = [sys.executable, "-c", WATCH, *command]
     done = subprocess.run(watched, env=environment, check=True, capture_output=True, text=True)
-    code, seconds, most = json.loads(done.stdout)
+    code, seconds, cpu, most = json.loads(done.stdout)
     if code:
         raise RuntimeError(f"tp-jax diagnose ended with {code}:\n{done.stderr}")
     unit = 1.0 if sys.platform == "darwin" else 1024.0  # bytes
-    return Took(seconds, most * unit / 1e9)
+    return Took(seconds, cpu, most * unit / 1e9)
