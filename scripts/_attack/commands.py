@@ -9,6 +9,7 @@ import io
 import itertools
 import os
 import tempfile
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -127,7 +128,12 @@ def _carried_out(words: list[str]) -> None:
     out = io.TextIOWrapper(io.BytesIO(), encoding="utf-8", errors="strict")
     err = io.TextIOWrapper(io.BytesIO(), encoding="utf-8", errors="backslashreplace")
     try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        # a notice is a line on standard error, whatever the process makes of warnings
+        with (
+            contextlib.redirect_stdout(out), contextlib.redirect_stderr(err),
+            warnings.catch_warnings(),
+        ):  # fmt: skip
+            warnings.simplefilter("default")
             code = main(words)
     except Worked:
         return

@@ -90,6 +90,7 @@ def _cell_by_cell(
     lines: Lines, first: int, positions: Mapping[str, int], delimiter: str | None, decimal: str
 ) -> np.ndarray:
     rows = [split(line, delimiter) for line in lines.text[first:]]
+    _check_reach(lines, first, rows, positions)
     values = np.empty((len(rows), len(positions)))
     for j, (name, position) in enumerate(positions.items()):
         column = [row[position] for row in rows]
@@ -104,6 +105,22 @@ def _cell_by_cell(
         if wrong:
             _refuse(lines, name, column, [first + i for i in wrong], first)
     return values
+
+
+def _check_reach(
+    lines: Lines, first: int, rows: list[list[str]], positions: Mapping[str, int]
+) -> None:
+    """Faults the first row that ends before a column that is wanted."""
+    name = max(positions, key=lambda each: positions[each])
+    for i, row in enumerate(rows):
+        if len(row) <= positions[name]:
+            raise CampaignError(
+                lines.file,
+                f"the row has {_cells(len(row))}, too few for {name} in column "
+                f"{positions[name] + 1}",
+                "complete or remove it",
+                lines.numbers[first + i],
+            )
 
 
 def _refuse(lines: Lines, name: str, column: list[str], at: list[int], first: int) -> NoReturn:
