@@ -1,16 +1,18 @@
 """scripts/attack: a short one finds nothing, and what is a fault is counted as one."""
 
-import contextlib
 import os
-import random
+import subprocess
+import sys
 import time
 from pathlib import Path
 
 import pytest
 
-from scripts._attack import commands, kills, readers, tally
+from scripts._attack import commands, readers, tally
 from scripts._attack.tally import Tally
 from tp_jax.errors import InputError
+
+ROOT = Path(__file__).parents[1]
 
 
 def nothing(found: Tally) -> None:
@@ -34,11 +36,24 @@ def test_commands():
     assert sum(row.refused for row in found.rows.values()) > 40
 
 
-def test_kills(monkeypatch):
-    monkeypatch.setattr(kills, "RECORDINGS", 0.0)
-    found = Tally()
-    kills.attack(found, 10)
-    nothing(found)
+def alone(program: str) -> str:
+    """What a program prints in an interpreter of its own: kills fork, and JAX has threads here."""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    return done.stdout
+
+
+def test_kills():
+    told = alone(
+        "from scripts._attack import kills, tally\n"
+        "kills.RECORDINGS = 0.0\n"
+        "found = tally.Tally()\n"
+        "kills.attack(found, 10)\n"
+        "print(*found.lines(), sep='\\n')\n"
+        "print('faults:', found.faults)\n"
+    )
+    assert told.endswith("faults: 0\n"), told
 
 
 def raising(fault):
@@ -71,16 +86,19 @@ def test_a_reader_that_breaks_is_found(monkeypatch):
     assert found.faults == found.rows["reader: recording"].tried
 
 
-def test_half_a_file_is_found(monkeypatch, tmp_path):
+def test_half_a_file_is_found(tmp_path):
     """The kills would tell where a file is not replaced as a whole."""
-
-    @contextlib.contextmanager
-    def in_place(target):
-        yield Path(target)
-
-    monkeypatch.setattr("tp_jax.cli.output._files.replaced", in_place)
-    found, chance = Tally(), random.Random(0)
-    for i in range(12):
-        (tmp_path / str(i)).mkdir()
-        found.attempt("result", lambda i=i: kills._result(tmp_path / str(i), chance))
-    assert found.faults > 0
+    told = alone(
+        "import contextlib, pathlib, random\n"
+        "from scripts._attack import kills, tally\n"
+        "import tp_jax.cli.output as output\n"
+        "in_place = lambda target: contextlib.nullcontext(pathlib.Path(target))\n"
+        "output._files.replaced = in_place\n"
+        "found, chance = tally.Tally(), random.Random(0)\n"
+        "for i in range(12):\n"
+        f"    folder = pathlib.Path({str(tmp_path)!r}, str(i))\n"
+        "    folder.mkdir()\n"
+        "    found.attempt('result', lambda: kills._result(folder, chance))\n"
+        "print('faults:', found.faults)\n"
+    )
+    assert int(told.split()[-1]) > 0

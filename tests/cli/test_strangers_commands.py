@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from tests.schemas import small
+from scripts._attack import small
 from tp_jax.checks import check
 from tp_jax.cli import main, simulate
 from tp_jax.cli.diagnose import EXAMPLE
@@ -51,7 +51,9 @@ def _counts(t, a, b) -> str:
 
 
 @pytest.mark.parametrize(
-    ("write", "within"), [(_german, 1e-6), (_bare, 1e-6), (_counts, 5e-3)], ids=lambda x: str(x)
+    ("write", "within"),
+    [(_german, 1e-6), (_bare, 1e-6), (_counts, 5e-3)],
+    ids=["german", "bare", "counts"],
 )
 def test_init_finds_what_was_written(write, within, tmp_path, capsys):
     for name in ("run-13", "run-17", "decay"):
