@@ -115,7 +115,7 @@ def weights(found: Densities, policy: FoldPolicy = POLICY.folds) -> np.ndarray:
     """Posterior weights (h,) of hypotheses.
 
     Args:
-        found: what they predict of the groups.
+        found: what they leave of the groups.
         policy: how few groups tell nothing, so that all weights are the same.
     """
     count = found.log.shape[1]
