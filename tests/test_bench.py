@@ -129,7 +129,7 @@ def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
     class Bench:
         scale, ours, tell = Scale(pairs=2), Ours, print
 
-    def command(out):  # of a megabyte where there is a cache, of a hundred where there is none
+    def command(out, campaign):  # takes a megabyte where there is a cache, or a hundred
         kept = out.parent / "kept"
         size = 1_000_000 if kept.exists() else 100_000_000
         kept.touch()
@@ -146,7 +146,7 @@ def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
         ("warm cache", "20 s", True), ("warm cache", "2 GB", True),
     ]  # fmt: skip
 
-    monkeypatch.setattr(diagnosis, "_command", lambda out: [sys.executable, "-c", "print(1 / 0)"])
+    monkeypatch.setattr(diagnosis, "_command", lambda *_: [sys.executable, "-c", "print(1 / 0)"])
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
         diagnosis.measure(Bench)
 

@@ -63,12 +63,15 @@ def diagnosed(folder: Path, campaign: Path | None = None) -> Took:
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder)}
     for name in ("TP_JAX_CACHE", "JAX_COMPILATION_CACHE_DIR"):
         environment.pop(name, None)
-    command = [sys.executable, "-m", "tp_jax", "--quiet", "diagnose"]
-    command += ["--out", str(folder / "out"), *([str(campaign)] if campaign else [])]
-    watched = [sys.executable, "-c", WATCH, *command]
+    watched = [sys.executable, "-c", WATCH, *_command(folder / "out", campaign)]
     done = subprocess.run(watched, env=environment, check=True, capture_output=True, text=True)
     code, seconds, cpu, most = json.loads(done.stdout)
     if code:
         raise RuntimeError(f"tp-jax diagnose ended with {code}:\n{done.stderr}")
     unit = 1.0 if sys.platform == "darwin" else 1024.0  # bytes
     return Took(seconds, cpu, most * unit / 1e9)
+
+
+def _command(out: Path, campaign: Path | None) -> list[str]:
+    command = [sys.executable, "-m", "tp_jax", "--quiet", "diagnose", "--out", str(out)]
+    return command if campaign is None else [*command, str(campaign)]
