@@ -11,15 +11,18 @@ from hypothesis import settings
 # as the command line does, and like it before equinox is imported
 os.environ.setdefault("EQX_ON_ERROR", "nan")
 
-from tp_jax._config import CACHED_ABOVE, compile_small_loops, use_float64
+from tp_jax import _cache
+from tp_jax._config import CACHED_ABOVE, cache_folder, compile_small_loops, use_float64
 
-# What one process of a test run has compiled the others need not: its workers, notebooks' kernels
-# and examples' interpreters inherit this. It is not the folder of the command line, beside which
-# traced programs are kept: these tests trace what they test.
-COMPILED = None
+# What one process of a test run has traced and compiled the others need not: its workers,
+# notebooks' kernels and examples' interpreters inherit this. It is a folder of this run alone, so
+# that all programs in it are those of the source that is tested.
+CACHE = None
 if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-    COMPILED = tempfile.mkdtemp(prefix="tp-jax-tests-")
-    os.environ["JAX_COMPILATION_CACHE_DIR"] = COMPILED
+    CACHE = tempfile.mkdtemp(prefix="tp-jax-tests-")
+    os.environ["XDG_CACHE_HOME"] = CACHE
+    _cache.made(cache_folder())
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = str(cache_folder())
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", str(CACHED_ABOVE))
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "0")
 
@@ -34,8 +37,8 @@ settings.load_profile("deterministic")
 
 
 def pytest_unconfigure() -> None:
-    if COMPILED is not None:  # in the process that made it, so after its workers
-        shutil.rmtree(COMPILED, ignore_errors=True)
+    if CACHE is not None:  # in the process that made it, so after its workers
+        shutil.rmtree(CACHE, ignore_errors=True)
 
 
 @pytest.fixture(scope="session")

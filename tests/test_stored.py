@@ -190,3 +190,26 @@ def test_two_are_compiled_at_once_and_no_more(folder):
         t.join()
     assert len(most) == 6
     assert max(most) == 2
+
+
+@pytest.mark.skipif(_stored.fcntl is None, reason="locks of files are those of POSIX")
+def test_is_compiled_by_one_process_while_others_wait(folder):
+    """A lock belongs to an open file, so threads that open it stand for processes."""
+    f, pair, traced = Traced(), Pair(jnp.ones(3), None), threading.Event()
+    slow = f.process()
+    whole = slow.function
+
+    def slowly(factor, pair):
+        traced.set()
+        time.sleep(0.3)
+        return whole(factor, pair)
+
+    slow.function = slowly
+    slowly.__name__, slowly.__qualname__ = whole.__name__, whole.__qualname__
+    first = threading.Thread(target=slow, args=(2.0, pair))
+    first.start()
+    assert traced.wait(10.0)
+    f.process()(2.0, pair)
+    first.join()
+    assert f.traces == [2.0]
+    assert len(list(folder.iterdir())) == 1  # and no lock

@@ -16,7 +16,7 @@ import os
 import platform
 import threading
 import time
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,11 @@ from tp_jax._compiler import compiler_options
 from tp_jax._config import programs_folder
 from tp_jax._files import replaced
 from tp_jax._memory import release
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
 
 log = logging.getLogger(__name__)
 
@@ -85,9 +90,10 @@ class Stored:
         with lock:
             ready = self._ready.get(key)
             if ready is None:
-                with COMPILERS:
+                file = self._file(static, f"{tree} {shapes}")
+                with COMPILERS, _alone(file):
                     begun = time.monotonic()
-                    program = self._program(static, arrays, f"{tree} {shapes}")
+                    program = self._program(static, arrays, file)
                     # called itself, it would keep what it was lowered to
                     ready = program.lower(*arrays).compile()
                     del program
@@ -98,21 +104,25 @@ class Stored:
                 self._ready[key] = ready
         return ready(*arrays)
 
-    def _program(self, static: tuple, arrays: tuple, shapes: str) -> Any:
-        """The jitted function of the arrays, its trace kept or taken from where it was kept."""
-        wide = compiler_options()
-        plain = jax.jit(functools.partial(self.function, *static), compiler_options=wide)
+    def _file(self, static: tuple, shapes: str) -> Path | None:
+        """Where the trace is kept; None if it is not."""
         folder, described = programs_folder(), self.describe(*static)
         if folder is None or described is None:
-            return plain
+            return None
         about = (
             self.function.__qualname__, described, shapes, _source(), jax.__version__,
             jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
             platform.python_version(), _processor.name(),
         )  # fmt: skip
-        file = (
-            folder / f"{self.function.__name__}-{hashlib.sha256(repr(about).encode()).hexdigest()}"
-        )
+        digest = hashlib.sha256(repr(about).encode()).hexdigest()
+        return folder / f"{self.function.__name__}-{digest}"
+
+    def _program(self, static: tuple, arrays: tuple, file: Path | None) -> Any:
+        """The jitted function of the arrays, its trace kept or taken from where it was kept."""
+        wide = compiler_options()
+        plain = jax.jit(functools.partial(self.function, *static), compiler_options=wide)
+        if file is None:
+            return plain
         exported = _kept(file)
         if exported is None:
             try:
@@ -124,6 +134,24 @@ class Stored:
                 return plain
             _keep(file, exported)
         return jax.jit(exported.call, compiler_options=wide)
+
+
+@contextlib.contextmanager
+def _alone(file: Path | None) -> Iterator[None]:
+    """Keeps other processes from compiling the same program meanwhile: they wait and find it.
+
+    Where locks cannot be had, several compile it; none is wrong.
+    """
+    if file is None or fcntl is None:
+        yield
+        return
+    lock = file.with_name(f".{file.name}.lock")
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            held = stack.enter_context(lock.open("w"))
+            fcntl.flock(held, fcntl.LOCK_EX)  # goes with the process, however that ends
+            stack.callback(lock.unlink, missing_ok=True)
+        yield
 
 
 def _kept(file: Path) -> export.Exported | None:
