@@ -13,6 +13,7 @@ from .diagnosis import diagnosed
 
 RATES = (100.0, 1000.0, 10_000.0)  # Hz
 RUNS, DURATION = 6, 10.0
+HIDDEN = {"contact_stribeck": 0.5}  # as in the package's example
 
 
 def measure(b: Bench) -> tuple[dict, list[Row]]:
@@ -25,7 +26,7 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
         for rate in RATES:
             b.tell(f"rates: {rate:g} Hz")
             campaign = folder / f"at-{rate:g}"
-            make_campaign(campaign, runs=RUNS, duration=DURATION, rate=rate, seed=1)
+            make_campaign(campaign, effects=HIDDEN, runs=RUNS, duration=DURATION, rate=rate, seed=1)
             took = diagnosed(folder, campaign)
             numbers[f"{rate:g}"] = {
                 "cpu_s": took.cpu, "seconds": took.seconds, "gigabytes": took.gigabytes,
