@@ -58,7 +58,7 @@ def bench_problem(horizon: float, which=None) -> Problem:
     if which is not None:
         windows = choose(windows, which)
     return Problem(
-        layout=whole_layout(), prepared=recordings, windows=windows, sigma=np.ones(2),
+        layout=whole_layout(), prepared=recordings, windows=windows,
         capacity=CAPACITY, B1=BENCH["B1"],
     )  # fmt: skip
 

@@ -83,7 +83,7 @@ def problem() -> Problem:
     data = (dataclasses.replace(data, pieces=pieces),)
     layout = Layout("double", tuple(get(id) for id in IDS))
     windows = cut(data, 0.25)
-    return Problem(layout, data, windows, np.ones(2), CAPACITY, BENCH["B1"])
+    return Problem(layout, data, windows, CAPACITY, BENCH["B1"])
 
 
 def values(problem: Problem, **changes) -> Values:

@@ -12,7 +12,7 @@ from tp_jax.estimation.windows import Prepared, cut, prepare
 from tp_jax.recordings import stretches
 
 RATE = 250.0
-SIGMA = {"phi1": 1e-3, "phi2": 1e-3}
+SIGMA = np.array([1e-3, 1e-3])
 
 
 def at(t: np.ndarray) -> Prepared:

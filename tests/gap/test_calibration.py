@@ -98,7 +98,7 @@ def linear_fit(setting, effect=0.0):
     r += np.einsum("wmx,wx->wm", states_jac, at.state_step)
     at = eliminate(r, states_jac, jac[..., :1])
     problem = types.SimpleNamespace(
-        windows=windows, sigma=setting.sigma, whiten=problem.whiten, layout=problem.layout,
+        windows=windows, sigma=problem.sigma, whiten=problem.whiten, layout=problem.layout,
         B1=problem.B1,
         linearise=lambda _values, _states, names: linearisation(names),
     )  # fmt: skip

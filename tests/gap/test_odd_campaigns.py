@@ -108,8 +108,9 @@ def held_out(squares, complete: bool = True) -> HeldOut:
 
 def shrunk(before, after):
     setting = SimpleNamespace(
-        fitted=[0], recordings=[SimpleNamespace(n=250_000)], noise={"phi1": 1e-3, "phi2": 1e-3}
-    )
+        fitted=[0], recordings=[SimpleNamespace(n=250_000)],
+        held_out_noise={"phi1": 1e-3, "phi2": 1e-3},
+    )  # fmt: skip
     return shrink(setting, before, after, 0)
 
 
@@ -127,7 +128,7 @@ def test_windows_that_cannot_be_integrated_are_not_counted():
     complete = np.array([True, False, True])
     valid = np.ones((3, 12), dtype=bool)
     lin = SimpleNamespace(samples=r[:, :-4], valid=valid, complete=complete)
-    problem = SimpleNamespace(sigma=np.array([1e-3, 1e-3]))
+    problem = SimpleNamespace(sigma=np.full((3, 2), 1e-3), coloured=False)
     found = squares(SimpleNamespace(linearisation=lin, problem=problem))
     assert not found.complete
     # four samples a channel less two estimated states

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import linalg, signal
+from scipy import linalg, signal, special
 
 from tp_jax.recordings import Colour, Recording, noise_colour, noise_level, same_rate
-from tp_jax.recordings.noise_colour import first_order
+from tp_jax.recordings.colour import first_order
 from tp_jax.rig import BENCH, VirtualRig
 
 RATE, DURATION, OMEGA = 250.0, 20.0, 11.0
@@ -67,7 +67,7 @@ def test_white_noise_stays_white(motion, seed):
 
 
 def test_nothing_is_slower_than_the_band_in_which_it_was_seen(motion):
-    c = found(motion, 0.995, 0.3, 0)
+    c = found(motion, 0.97, 0.3, 0)
     assert c.lowest == pytest.approx(5.0 / PERIOD)
     assert c.rho <= np.exp(-2.0 * np.pi * c.lowest / RATE) + 1e-12
 
@@ -115,30 +115,41 @@ def test_what_says_nothing_is_white(motion):
     assert noise_colour([run(T[::14], y[::14])], "phi1", PERIOD) == Colour()
 
 
-def test_white_is_certain_only_where_the_band_is_wide(motion):
-    y = motion[:, 0] + SIGMA * noise(T.size, 0.0, 1.0, 9)
-    assert noise_colour([run(T, y)], "phi1", PERIOD).lowest == pytest.approx(5.0 / PERIOD)
-    narrow = noise_colour([run(T[::3], y[::3])], "phi1", PERIOD)
-    assert narrow.is_white
-    assert narrow.lowest == 0.0
-
-
-@pytest.mark.parametrize(("rho", "white"), [(0.3, 0.0), (0.7, 0.3), (0.95, 0.1)])
-def test_whitening_is_exact_for_the_autoregression(rho, white):
-    """Its own covariance, continued beyond the lags that it was made from."""
-    c = first_order(rho, white)
-    n, p = 40, len(c.ar)
-    r = [1.0, *c.correlation]
-    while len(r) < n:
-        r.append(float(np.dot(c.ar, r[-1 : -p - 1 : -1])))
+@pytest.mark.parametrize("n", [5, 40, 400])
+@pytest.mark.parametrize(
+    ("neighbours", "rho"),
+    [(0.3, 0.3), (0.49, 0.7), (0.855, 0.95), (0.29, 0.97), (-0.345, 0.0), (-0.2, 0.5)],
+)
+def test_whitening_is_exact(neighbours, rho, n):
+    """Also where the process is a moving average, or mostly white and slow besides."""
+    c = Colour(neighbours, rho)
+    own = linalg.toeplitz([1.0, *(neighbours * rho ** np.arange(n - 1))])
     W = c.whiten(np.eye(n))
-    np.testing.assert_allclose(W @ linalg.toeplitz(r) @ W.T, np.eye(n), atol=1e-9)
+    np.testing.assert_allclose(W @ own @ W.T, np.eye(n), atol=2e-6)
     assert np.allclose(W, np.tril(W))
-    # and nearly for the noise itself, whose autoregression has no end
-    own = (1.0 - white) * rho ** np.arange(n)
-    own[0] = 1.0
-    left = W @ linalg.toeplitz(own) @ W.T - np.eye(n)
-    assert np.abs(left).max() < 0.02
+    _, determinant = np.linalg.slogdet(own)
+    assert c.log_determinant(n) == pytest.approx(determinant, abs=1e-4 * n)
+
+
+def test_the_autoregression_that_is_reported_has_its_correlation():
+    c = first_order(0.7, 0.3)
+    assert c.correlation == pytest.approx([0.7 * 0.7**k for k in range(1, 11)])
+    np.testing.assert_allclose(
+        linalg.toeplitz([1.0, *c.correlation[:-1]]) @ c.ar, c.correlation, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("order", [2, 5, 8])
+def test_differences_see_what_the_colour_says(order):
+    rng = np.random.default_rng(order)
+    e = rng.standard_normal(200_001)
+    y = (e[1:] - 0.4 * e[:-1]) / np.sqrt(1.16)  # a moving average
+    size = np.sqrt(float(special.binom(2 * order, order)))
+    seen = np.diff(y, order).std() / size
+    assert seen == pytest.approx(Colour(-0.4 / 1.16, 0.0).seen(order), rel=0.02)
+    assert noise_level(np.arange(y.size) * 0.01, y, Colour(-0.4 / 1.16, 0.0)) == pytest.approx(
+        1.0, rel=0.02
+    )
 
 
 def test_whitening_of_few_rows_and_of_many_columns():

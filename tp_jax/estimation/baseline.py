@@ -29,7 +29,7 @@ from tp_jax.recordings import (
     Recording,
     block_length,
     noise_colour,
-    noise_floor,
+    noise_levels,
     same_rate,
     stretches,
     thinned,
@@ -43,6 +43,7 @@ Progress = Callable[[str, float | None], None]
 #: keeps the steps finite and is reported as unidentifiable where it decides.
 T0_PRIOR = (np.log(5.0), 2.0)
 
+LEAST_NOISE = 1e-6  # rad; of a channel that is constant, so that nothing is divided by zero
 PATIENCE = 100  # steps of a fit: far from a rider that hardly moves, some rigs need more than 50
 POOR = 2.0  # chi2/dof of a fit to the shortest windows that is looked for another way too
 
@@ -57,8 +58,8 @@ class Setting:
         campaign, recordings: all of them, held-out ones included.
         layout: with the whole catalogue's slots.
         prepared: one per recording.
-        noise: sd by channel [rad].
-        sigma: (2,) the same as an array, 1 where a channel is missing.
+        levels: (r, 2) sd of the noise of both channels in every recording [rad].
+        data_noise: levels, and colours of both channels in every recording, as the data alone say.
         horizons: window lengths [s], growing.
         capacity: samples of a block.
         fixed: values the user or the campaign gave.
@@ -74,8 +75,8 @@ class Setting:
     recordings: tuple[Recording, ...]
     layout: Layout
     prepared: tuple[Prepared, ...]
-    noise: dict[str, float]
-    sigma: np.ndarray
+    levels: np.ndarray
+    data_noise: tuple[np.ndarray, tuple[tuple[Colour, Colour], ...]]
     horizons: tuple[float, ...]
     capacity: int
     fixed: dict[str, float]
@@ -100,6 +101,25 @@ class Setting:
     def held_out(self) -> list[int]:
         """Recordings that are only predicted."""
         return [i for i, r in enumerate(self.recordings) if r.held_out]
+
+    @property
+    def noise(self) -> dict[str, float]:
+        """Noise by channel [rad]: the median over the fitted recordings."""
+        names = ("phi1", "phi2") if self.rider else ("phi1",)
+        return dict(zip(names, np.median(self.levels[self.fitted], axis=0).tolist(), strict=False))
+
+    @property
+    def held_out_noise(self) -> dict[str, float]:
+        """Noise by channel of the held-out recordings [rad]: root mean square over samples."""
+        which = self.held_out or self.fitted
+        samples = [self.prepared[i].t.size for i in which]
+        square = np.average(self.levels[which] ** 2, axis=0, weights=samples)
+        return {n: float(np.sqrt(x)) for n, x in zip(self.noise, square, strict=False)}
+
+    @property
+    def sigma(self) -> np.ndarray:
+        """(2,) the same as an array, 1 where a channel is missing."""
+        return np.array([self.noise["phi1"], self.noise.get("phi2", 1.0)])
 
     @property
     def rider(self) -> bool:
@@ -129,7 +149,7 @@ class Setting:
         # Windows longer than planned for take a larger block, and with it another compilation.
         capacity = room(windows, self.capacity)
         return Problem(
-            self.layout, self.prepared, windows, self.sigma, capacity, self.fixed["B1"],
+            self.layout, self.prepared, windows, capacity, self.fixed["B1"],
             programs=self.programs,
         )  # fmt: skip
 
@@ -176,12 +196,9 @@ def prepare_campaign(
     blocks = tuple(block_length(r, period) for r in campaign.recordings)
     recordings = tuple(map(thinned, campaign.recordings, blocks))
     fitted = [r for r in recordings if not r.held_out]
-    noise = noise_floor(fitted)
     colours = _colours(recordings, period)
-    for c, name in enumerate(noise):
-        noise[name] *= float(np.median([colours[recordings.index(r)][c].excess for r in fitted]))
-    sigma = np.array([noise["phi1"], noise.get("phi2", 1.0)])
-    sigma = np.where(sigma > 0.0, sigma, 1e-6)
+    levels = noise_levels(recordings, colours)
+    levels = np.where(levels > 0.0, levels, LEAST_NOISE)
     if effects is None:
         effects = list(catalogue().values())
         if campaign.model == "single":
@@ -190,10 +207,9 @@ def prepare_campaign(
     own = np.array([np.median(np.diff(r.t)) for r in recordings])
     step = float(np.median(own))
     widths = np.clip(np.round(period / 10.0 / own), 7, 25).astype(int) | 1
-    names = {"phi1": sigma[0], "phi2": sigma[1]}
     prepared = tuple(
-        prepare(r, names, int(w), colour)
-        for r, w, colour in zip(recordings, widths, colours, strict=True)
+        prepare(r, own, int(w), colour)
+        for r, own, w, colour in zip(recordings, levels, widths, colours, strict=True)
     )
     # what is shorter than a window is one window
     horizons = _horizons(period, step, float(np.median([r.duration for r in fitted])))
@@ -208,8 +224,8 @@ def prepare_campaign(
             priors[name] = (known.value, known.sd)
     fixed |= fix or {}
     return Setting(
-        campaign, recordings, layout, prepared, noise, sigma, horizons, sample_capacity(counts),
-        fixed, priors, model, dict(bound or {}), widths, period, blocks,
+        campaign, recordings, layout, prepared, levels, (levels, tuple(colours)), horizons,
+        sample_capacity(counts), fixed, priors, model, dict(bound or {}), widths, period, blocks,
     )  # fmt: skip
 
 

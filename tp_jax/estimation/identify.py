@@ -156,12 +156,11 @@ def _rebuilt(ladder: Ladder, trial: Trial) -> Fit:
 def _with_fitted_noise(ladder: Ladder, fit: Fit) -> tuple[Fit, Setting]:
     """Noise levels and parameters in turn, until the levels stay."""
     for _ in range(NOISE_ROUNDS):
-        before = ladder.setting.noise
-        noise = fitted_noise(fit)
-        setting = with_noise(ladder.setting, noise)
+        rise = fitted_noise(fit)
+        setting = with_noise(ladder.setting, ladder.setting.levels * rise)
         ladder = ladder.of(setting)
         fit = ladder.refine(fit)
-        if all(abs(noise[n] / before[n] - 1.0) < SETTLED for n in noise):
+        if np.all(np.abs(rise - 1.0) < SETTLED):
             break
     return fit, ladder.setting
 

@@ -76,7 +76,6 @@ class Problem:
         layout: slots of the model.
         prepared: the recordings.
         windows: how they are cut.
-        sigma: (2,) noise by channel [rad].
         capacity: samples of a block; the same for all horizons of a campaign, so that one
             compiled program serves them.
         B1: inertia of the column, to which bounds and typical sizes are scaled [kg m^2].
@@ -87,7 +86,6 @@ class Problem:
     layout: Layout
     prepared: tuple[Prepared, ...]
     windows: Windows
-    sigma: np.ndarray
     capacity: int
     B1: float
     tolerances: Tolerances = Tolerances()  # noqa: RUF009
@@ -105,6 +103,11 @@ class Problem:
         if "_cached_blocks" in self.__dict__:
             object.__setattr__(other, "_cached_blocks", self.blocks())
         return other
+
+    @property
+    def sigma(self) -> np.ndarray:
+        """Noise (w, 2) of both channels in every window [rad]."""
+        return np.array([self.prepared[r].sigma for r in self.windows.recording]).reshape(-1, 2)
 
     @property
     def measured(self) -> bool:
@@ -192,7 +195,7 @@ class Problem:
             ts[span, lane] = p.t[f : f + c]
             ts[at + c :, lane] = p.t[f + c - 1]
             data[span, :, lane] = p.y[f : f + c]
-            weight[span, :, lane] = np.where(p.channels, 1.0 / self.sigma, 0.0)
+            weight[span, :, lane] = np.where(p.channels, 1.0 / p.sigma, 0.0)
             start[at, lane] = True
             begins[rank, lane] = at
             prior[rank, :, lane], prior_weight[rank, :, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
@@ -258,7 +261,7 @@ class Problem:
             for k, (i, c) in enumerate(zip(going, count, strict=True)):
                 p = self.prepared[recordings[i]]
                 span = slice(first, first + c)
-                error = lin.samples[k, : 2 * c].reshape(c, 2) * self.sigma
+                error = lin.samples[k, : 2 * c].reshape(c, 2) * p.sigma
                 out[i][span] = np.where(p.channels, p.y[span] + error, lin.states[k, :c, :2])
                 states[i], own[i] = lin.states[k, c - 1], lin.own[k]
                 if not lin.complete[k]:

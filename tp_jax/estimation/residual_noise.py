@@ -1,17 +1,18 @@
-"""The colour of the sensors' noise, from what a fitted model leaves.
+"""The sensors' noise, from what a fitted model leaves.
 
-Where the sampling is slow against the motion no band is left in which noise stands alone
-(`recordings.noise_colour`). Then the difference is that noise does not repeat: what a wrong model
-leaves is a function of the motion, the same in every period, and noise is not. So the residuals of
-every recording are freed of all that goes with its motion (harmonics of a commanded drive's phase,
-or polynomials of the states), window states included, and the colour of the rest is estimated by
-restricted maximum likelihood. Its level near the Nyquist frequency stays what high-order
-differences of the data see; a colour only says how much more there is below. A rest that no colour
-explains is no noise: the noise then stays white, and what there is counts as gap.
+The angles alone show noise far above the motion only (`recordings.noise_colour`). Below, noise and
+motion differ in that noise does not repeat: what a wrong model leaves is a function of the motion,
+the same in every period, and noise is not. So the residuals of every recording are freed of all
+that goes with its motion (harmonics of a commanded drive's phase, or polynomials of the states),
+window states included, and the colour and level of the rest are estimated by restricted maximum
+likelihood, for all recordings at one sampling rate together. Near the Nyquist frequency that level
+must agree with what high-order differences of the data see: a rest with more is no noise, and what
+there is then counts as gap.
 
 Source: Patterson, Thompson (1971), Biometrika 58, 545-554.
 """
 
+import copy
 import dataclasses
 import itertools
 import logging
@@ -23,9 +24,9 @@ from scipy import optimize
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.noise_levels import CHANNELS, with_noise
-from tp_jax.recordings import Colour, same_rate
+from tp_jax.recordings import Colour, Recording, noise_levels, same_rate
+from tp_jax.recordings.colour import limits
 from tp_jax.recordings.noise import quantum
-from tp_jax.recordings.noise_colour import first_order
 
 log = logging.getLogger(__name__)
 
@@ -37,40 +38,50 @@ class ResidualNoisePolicy:
     Attributes:
         harmonics: of a commanded drive's phase that belong to the motion.
         degree: of the polynomials that stand for it elsewhere, of a column alone and with a rider.
-        rho: correlations of neighbouring samples that are tried first. white: parts of the
-            variance. From the best of them a simplex search goes on.
+        rho: factors from lag to lag that are tried first. neighbours: correlations of neighbouring
+            samples, in parts of what is possible with a factor. From the best of them a simplex
+            search goes on.
+        looked: samples, of evenly spread windows, on which that search is made: they tell a
+            correlation to .02, and the whole costs a second.
         slowest: corner frequency of the noise's filter over the frequency of the motion, at least;
             slower noise and a gap that repeats every period cannot be told apart.
         trimmed: windows that leave more than this many medians are left out: transients.
         certain: fall of twice the negative log-likelihood from which noise is coloured.
-        least: rise of the standard deviation below which colour is not worth its trouble.
-        rounded: part of the noise's standard deviation that rounding may have; more, and it is
-            white.
-        left: mean square that may be left, in units of the noise, for it to be noise.
+        least: correlation of neighbours below which colour is not worth its trouble, unless it
+            raises the error of a mean by `slow`.
+        slow: see `least`.
+        left: mean square that may be left, over that which high-order differences see under the
+            same colour, for it to be noise.
+        samples: below which residuals say nothing of a colour.
     """
 
     harmonics: int = 8
     degree: tuple[int, int] = (5, 3)
-    rho: tuple[float, ...] = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9)
-    white: tuple[float, ...] = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85)
+    rho: tuple[float, ...] = (0.0, 0.3, 0.5, 0.7, 0.85, 0.93, 0.97)
+    neighbours: tuple[float, ...] = (-0.7, -0.4, -0.15, 0.1, 0.3, 0.6, 0.85)
+    looked: int = 4000
     slowest: float = 0.5
     trimmed: float = 3.0
     certain: float = 24.0
-    least: float = 1.05
+    least: float = 0.05
+    slow: float = 1.1
     left: float = 1.25
-    rounded: float = 0.7
+    samples: int = 50
 
 
 POLICY = ResidualNoisePolicy()
+
+SPANNED = 1e-3
+"""Part of the largest derivative, and of the largest singular value, that spans a direction."""
 
 
 def with_residual_noise(
     setting: Setting, fit: Fit, policy: ResidualNoisePolicy = POLICY
 ) -> Setting:
-    """A campaign with the noise that a fit's residuals show, where its data alone do not.
+    """A campaign with the noise that a fit's residuals show.
 
     Args:
-        setting: the campaign, whose noise near the Nyquist frequency is known.
+        setting: the campaign.
         fit: to its fitted recordings.
         policy: what decides.
 
@@ -78,40 +89,24 @@ def with_residual_noise(
         `setting` itself where nothing changes.
     """
     bare = without_residual_noise(setting)
-    found = residual_colours(bare, fit, policy)
-    if found == [p.colour for p in setting.prepared]:
+    levels, colours = residual_noise(bare, fit, policy)
+    if colours == [p.colour for p in setting.prepared] and np.allclose(levels, setting.levels):
         return setting
-    rise = _rise(setting, found)
-    noise = {name: level * rise[CHANNELS.index(name)] for name, level in bare.noise.items()}
-    return with_noise(bare, noise, found)
+    return with_noise(bare, levels, colours)
 
 
 def without_residual_noise(setting: Setting) -> Setting:
     """A campaign with what its data alone say of its noise."""
-    colours = [tuple(Colour() if c.of_residuals else c for c in p.colour) for p in setting.prepared]
-    if colours == [p.colour for p in setting.prepared]:
+    levels, colours = setting.data_noise
+    if list(colours) == [p.colour for p in setting.prepared]:
         return setting
-    rise = _rise(setting, [p.colour for p in setting.prepared])
-    noise = {name: level / rise[CHANNELS.index(name)] for name, level in setting.noise.items()}
-    return with_noise(setting, noise, colours)
+    return with_noise(setting, levels, colours)
 
 
-def _rise(setting: Setting, colours: Sequence[tuple[Colour, Colour]]) -> list[float]:
-    """How much higher each channel's noise is by what residuals showed, over fitted recordings.
-
-    What the data showed by themselves is in its level already.
-    """
-    mine = [colours[i] for i in setting.fitted]
-    return [
-        float(np.median([pair[c].excess if pair[c].of_residuals else 1.0 for pair in mine]))
-        for c in range(2)
-    ]
-
-
-def residual_colours(
+def residual_noise(
     setting: Setting, fit: Fit, policy: ResidualNoisePolicy = POLICY
-) -> list[tuple[Colour, Colour]]:
-    """Colours of both channels in every recording.
+) -> tuple[np.ndarray, list[tuple[Colour, Colour]]]:
+    """Levels (r, 2) [rad] and colours of both channels in every recording.
 
     Args:
         setting: a campaign with what its data alone say of its noise.
@@ -119,72 +114,101 @@ def residual_colours(
         policy: what decides.
     """
     fit = _under(setting, fit)
-    found = [p.colour for p in setting.prepared]
+    colours = [p.colour for p in setting.prepared]
+    levels = setting.levels.copy()
     for group in same_rate(setting.recordings):
         mine = [i for i in group if i in setting.fitted]
         if not mine:
             continue
-        pair = list(found[mine[0]])
+        pair = list(colours[mine[0]])
         for c in range(2):
-            unknown = pair[c].is_white and not pair[c].lowest
-            if unknown and setting.prepared[mine[0]].channels[c]:
-                if _rounded(setting, mine, c, policy):
-                    continue
-                step = float(np.median(np.diff(setting.prepared[mine[0]].t)))
-                pair[c] = _colour(setting, fit, mine, c, step / setting.period, policy)
+            if not setting.prepared[mine[0]].channels[c]:
+                continue
+            step = float(np.median(np.diff(setting.prepared[mine[0]].t)))
+            rest = _Rest(setting, fit, mine, c, policy)
+            found = _estimated(rest, step / setting.period, policy)
+            if found is None:
+                continue
+            colour, rise = found
+            seen = _seen([setting.recordings[i] for i in mine], c, colour)
+            left = float(np.median((rise * setting.levels[mine, c] / seen) ** 2))
+            log.info("noise of channel %d: %s, left %.3g of what differences see",
+                     c + 1, colour, left)  # fmt: skip
+            if left > policy.left:
+                continue
+            pair[c] = colour
+            levels[group, c] *= rise
         for i in group:
-            found[i] = (pair[0], pair[1])
-    return found
+            colours[i] = (pair[0], pair[1])
+    return levels, colours
+
+
+def _seen(recordings: Sequence[Recording], c: int, colour: Colour) -> np.ndarray:
+    """Levels (r,) [rad] that differences of the readings see under a colour, at the most.
+
+    Those of coarse readings are mostly zero and miss up to the whole error of rounding.
+    """
+    readings = [r.channels[CHANNELS[c]] for r in recordings]
+    rounding = np.array([quantum(y) for y in readings]) / np.sqrt(12.0)
+    levels = noise_levels(recordings, [(colour, colour)] * len(recordings))[:, c]
+    return np.hypot(levels, np.minimum(rounding, levels))
 
 
 def _under(setting: Setting, fit: Fit) -> Fit:
     """A fit with its residuals in units of a campaign's noise, of which it may have known more."""
     colours = [p.colour for p in setting.prepared]
     known = [p.colour for p in fit.problem.prepared]
-    if known == colours and np.array_equal(fit.problem.sigma, setting.sigma):
+    levels = np.array([p.sigma for p in fit.problem.prepared])
+    if known == colours and np.array_equal(levels, [p.sigma for p in setting.prepared]):
         return fit
-    problem = dataclasses.replace(fit.problem, prepared=setting.prepared, sigma=setting.sigma)
+    problem = dataclasses.replace(fit.problem, prepared=setting.prepared)
     lin = problem.linearise(fit.values, fit.states, ())
     return dataclasses.replace(fit, problem=problem, linearisation=lin)
 
 
-def _rounded(setting: Setting, group: Sequence[int], c: int, policy: ResidualNoisePolicy) -> bool:
-    """Whether most of a channel's noise is rounding, which is white where a body moves."""
-    name = CHANNELS[c]
-    steps = [quantum(setting.recordings[i].channels[name]) for i in group]
-    return float(np.median(steps)) / np.sqrt(12.0) > policy.rounded * setting.noise[name]
+def _estimated(rest: "_Rest", samples: float, policy: ResidualNoisePolicy):
+    """Colour, and the standard deviation that goes with it in units of the campaign's; None where
+    white is as good.
 
+    Args:
+        rest: of one channel. samples: a sampling interval over the motion's period.
+    """
+    if rest.n < policy.samples:
+        return None
+    steepest = float(np.exp(-2.0 * np.pi * policy.slowest * samples))
+    part = rest.thinned(policy.looked)
+    share = rest.n / max(part.n, 1)
+    white, _ = part.deviance(Colour())
+    tried = []
+    for rho, way in itertools.product(policy.rho, policy.neighbours):
+        if rho > steepest:
+            continue
+        edge = limits(rho)[1 if way > 0.0 else 0]
+        tried.append((part.deviance(Colour(abs(way) * edge, rho))[0], abs(way) * edge, rho))
+    least, c, rho = min(tried, default=(np.inf, 0.0, 0.0))
+    near = white - least + policy.certain / share
+    if near < 0.0:
+        return None
 
-def _colour(
-    setting: Setting, fit: Fit, group: Sequence[int], c: int, samples: float, policy
-) -> Colour:
-    """Colour of one channel; `samples`: a sampling interval over the motion's period."""
-    rest = _Rest(setting, fit, group, c, policy)
-    if rest.n < 50:
-        return Colour()
-    steepest = np.exp(-2.0 * np.pi * policy.slowest * samples)
-    white, _ = rest.deviance(Colour())
-    tried = [
-        (rest.deviance(first_order(rho, part))[0], rho, part)
-        for rho, part in itertools.product(policy.rho, policy.white)
-        if rho <= steepest
-    ]
-    least, rho, part = min(tried, default=(np.inf, 0.0, 1.0))
-    if white - least < policy.certain:
-        return Colour()
+    def cost(x: np.ndarray) -> float:
+        c, rho = float(x[0]), float(np.clip(x[1], 0.0, steepest))
+        low, high = limits(rho)
+        return part.deviance(Colour(float(np.clip(c, low, high)), rho))[0]
+
     found = optimize.minimize(
-        lambda x: rest.deviance(first_order(*x))[0], (rho, part), method="Nelder-Mead",
-        bounds=[(0.0, steepest), (0.0, 0.98)], options={"xatol": 0.01, "fatol": 0.5},
+        cost, (c, rho), method="Nelder-Mead", bounds=[(-0.5, 1.0), (0.0, steepest)],
+        options={"xatol": 0.005, "fatol": 0.25, "maxfev": 80},
     )  # fmt: skip
-    best = first_order(*found.x)
+    rho = float(np.clip(found.x[1], 0.0, steepest))
+    c = float(np.clip(found.x[0], *limits(rho)))
+    best = Colour(c, rho, of_residuals=True)
+    white, _ = rest.deviance(Colour())
     least, left = rest.deviance(best)
-    log.info(
-        "noise of channel %d: %s, deviance %.4g under white, mean square %.3g",
-        c + 1, f"rho {best.rho:g}, white {best.white:g}", white - least, left,
-    )  # fmt: skip
-    if best.excess < policy.least or left > policy.left:
-        return Colour()
-    return dataclasses.replace(best, of_residuals=True)
+    log.info("residuals: neighbours %.3g, rho %.3g, deviance %.4g under white, mean square %.3g",
+             c, rho, white - least, left)  # fmt: skip
+    if white - least < policy.certain or (abs(c) < policy.least and best.slow < policy.slow):
+        return None
+    return best, float(np.sqrt(left))
 
 
 class _Rest:
@@ -204,7 +228,7 @@ class _Rest:
             size = np.sqrt((F**2).sum(axis=(0, 1)))
             F = F[:, :, size > 0.0] / size[size > 0.0]
             table = np.concatenate(
-                [lin.samples[mine][:, rows, None], _scaled(lin.states_jac[mine][:, rows]), F], 2
+                [lin.samples[mine][:, rows, None], _basis(lin.states_jac[mine][:, rows]), F], 2
             )
             self.parts.append((table * inside[:, :, None], inside))
         self.parts = [self._kept(table, inside, policy) for table, inside in self.parts]
@@ -217,36 +241,43 @@ class _Rest:
         keep = mean <= policy.trimmed * max(float(np.median(mean)), 1e-300)
         return table[keep], inside[keep]
 
+    def thinned(self, most: int) -> "_Rest":
+        """Some of its windows, evenly spread over the recordings, of about so many samples."""
+        every = int(np.ceil(self.n / most))
+        if every <= 1:
+            return self
+        out = copy.copy(self)
+        out.parts = [(table[::every], inside[::every]) for table, inside in self.parts]
+        out.n = sum(int(inside.sum()) for _, inside in out.parts)
+        return out
+
     def deviance(self, colour: Colour) -> tuple[float, float]:
-        """Twice the negative restricted log-likelihood, and the mean square that is left."""
-        total, squares, free = 0.0, 0.0, 0.0
+        """Twice the negative restricted log-likelihood at the best level, and its square."""
+        determinant, squares, free = 0.0, 0.0, 0.0
         for table, inside in self.parts:
-            white = colour.whiten(table, axis=1) * inside[:, :, None] / colour.excess
+            white = colour.whiten(table, axis=1) * inside[:, :, None]
             rss, _, (logdet, used) = _projected(white)
             count = inside.sum(axis=1)
-            total += rss + logdet + _log_determinant(colour, count)
+            sizes, times = np.unique(count, return_counts=True)
+            determinant += logdet + sum(
+                t * colour.log_determinant(int(n)) for n, t in zip(sizes, times, strict=True)
+            )
             squares, free = squares + rss, free + count.sum() - used
-        return total, squares / max(free, 1.0)
+        level = squares / max(free, 1.0)
+        return float(free * np.log(max(level, 1e-300)) + determinant), float(level)
 
 
-def _log_determinant(colour: Colour, count: np.ndarray) -> float:
-    """Of the covariance of windows of so many samples."""
-    scale = 2.0 * np.log(colour.excess) * float(count.sum())
-    if colour.is_white:
-        return scale
-    out = scale
-    for n, times in zip(*np.unique(count, return_counts=True), strict=True):
-        unit = np.eye(min(int(n), len(colour.ar) + 1))
-        # the whitening is lower triangular, and its diagonal is constant after the first rows
-        diagonal = np.diag(colour.whiten(unit))
-        tail = max(int(n) - len(diagonal), 0)
-        out -= 2.0 * times * float(np.log(diagonal).sum() + tail * np.log(diagonal[-1]))
-    return out
+def _basis(jac: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (w, n, 4) that span the derivatives by the states, zeros where fewer do.
 
-
-def _scaled(jac: np.ndarray) -> np.ndarray:
+    A body that stuck answers to its own velocity with rounding errors: those must count under
+    every colour or under none, so they are left out once and for all.
+    """
     size = np.sqrt((jac**2).sum(axis=1, keepdims=True))
-    return jac / np.where(size > 0.0, size, 1.0)
+    largest = size.max(axis=2, keepdims=True)
+    unit = np.where(size > SPANNED * largest, jac / np.maximum(size, 1e-300), 0.0)
+    left, values, _ = np.linalg.svd(unit, full_matrices=False)
+    return left * (values > SPANNED * values[:, :1])[:, None, :]
 
 
 def _projected(table: np.ndarray):

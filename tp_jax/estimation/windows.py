@@ -1,16 +1,16 @@
 """Recordings cut into windows: the samples of each, and its state's prior from the data alone."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
 
 from tp_jax.model.dahl import play_along
 from tp_jax.recordings import Recording
+from tp_jax.recordings.colour import Colour
 from tp_jax.recordings.gaps import stretches
-from tp_jax.recordings.noise_colour import Colour
-from tp_jax.recordings.smooth import local_polynomial
+from tp_jax.recordings.smooth import at_rest, local_polynomial
 
 #: Smoothed readings share samples with the window they start, so their weight is reduced: the
 #: prior only has to hold what the window cannot tell (the velocity of a stuck rider).
@@ -28,7 +28,7 @@ class Prepared:
     smooth: (n, 4) smoothed readings and their rates; smooth_sd: (n, 4);
     pieces: (n - 1, 4) cubic coefficients of the measured drive, or None;
     path: (n, 4) as `smooth`, its angles without what is noise (`play_along`);
-    colour: of each channel's noise.
+    sigma: (2,) noise of each channel [rad], 1 where it is missing; colour: of that noise.
     """
 
     t: np.ndarray
@@ -38,6 +38,7 @@ class Prepared:
     smooth_sd: np.ndarray
     pieces: np.ndarray | None
     path: np.ndarray | None = None
+    sigma: np.ndarray = dataclasses.field(default_factory=lambda: np.ones(2))
     colour: tuple[Colour, Colour] = (Colour(), Colour())
 
     def __post_init__(self):
@@ -47,14 +48,14 @@ class Prepared:
 
 def prepare(
     recording: Recording,
-    sigma: Mapping[str, float],
+    sigma: np.ndarray,
     width: int,
     colour: tuple[Colour, Colour] = (Colour(), Colour()),
 ) -> Prepared:
     """Smooths a recording once.
 
     Args:
-        recording: the recording. sigma: noise by channel [rad].
+        recording: the recording. sigma: (2,) noise by channel [rad].
         width: samples of the smoothing window.
         colour: of each channel's noise.
     """
@@ -63,17 +64,27 @@ def prepare(
     smooth = np.zeros((n, 4))
     sd = np.ones((n, 4))
     channels = np.array([True, recording.phi2 is not None])
-    for c, (name, values) in enumerate((("phi1", recording.phi1), ("phi2", recording.phi2))):
+    for c, values in enumerate((recording.phi1, recording.phi2)):
         if values is None:
             continue
         y[:, c] = values
-        fit = local_polynomial(recording.t, values, sigma[name] * colour[c].slow, width)
+        fit = local_polynomial(recording.t, values, sigma[c] * colour[c].slow, width)
         smooth[:, c], smooth[:, 2 + c] = fit.value, fit.first
         # Between two gaps there may be too few samples for a rate. It is then known to be like the
         # others: without that the velocity of a stuck rider goes anywhere, and the fit stalls.
         unknown = np.isinf(fit.first_error)
         rate = np.sqrt(np.mean((fit.first**2 + fit.first_error**2)[~unknown]))
         sd[:, c], sd[:, 2 + c] = fit.value_error, np.where(unknown, rate, fit.first_error)
+        # Under coloured noise the rate of a body that stuck seems far from zero: the window that
+        # starts there is given a push that explains noise, always the same way against friction,
+        # and laws of friction near rest seem wrong. Under white noise that push is small, and a
+        # prior as tight as a rest's would hold the state in the kink of the friction.
+        if colour[c].is_white:
+            continue
+        still = at_rest(recording.t, values, sigma[c] * colour[c].slow, width)
+        rests = still.rests & ~unknown
+        smooth[rests, c], smooth[rests, 2 + c] = still.value[rests], 0.0
+        sd[rests, c], sd[rests, 2 + c] = still.value_error[rests], still.rate_error[rests]
     pieces = None
     if recording.drive is not None:
         # The piece across a gap is a guess that only free runs meet: no window lies there, and a
@@ -83,7 +94,10 @@ def prepare(
     for c in np.flatnonzero(channels):
         error = float(np.median(sd[:, c]))
         path[:, c] = play_along(smooth[:, c], NOISE_OF_PATH * error)
-    return Prepared(recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces, path, colour)
+    return Prepared(
+        recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces, path,
+        np.where(channels, sigma, 1.0), colour,
+    )  # fmt: skip
 
 
 def read_later(t: np.ndarray, pieces: np.ndarray, late: float) -> np.ndarray:

@@ -29,7 +29,6 @@ def columns(setting: Setting, fit: Fit) -> np.ndarray:
     """
     windows, lin = fit.problem.windows, fit.linearisation
     nw, m = lin.r.shape
-    sigma = fit.problem.sigma
     every = [np.zeros((nw, m, 0))]
     for c, name in enumerate(NAMES):
         found = [r.calibration_error.get(name) for r in setting.recordings]
@@ -41,9 +40,10 @@ def columns(setting: Setting, fit: Fit) -> np.ndarray:
                     continue
                 first, count = windows.first[w], windows.count[w]
                 rows, sd = slice(c, 2 * count, 2), data.smooth_sd[first]
+                sigma = data.sigma[c]
                 # at the model's readings, since noise in the shapes would go with the residuals'
-                read = data.y[first : first + count, c] + sigma[c] * lin.samples[w, rows]
-                shapes[w, rows] = error.at(read).T / sigma[c]
+                read = data.y[first : first + count, c] + sigma * lin.samples[w, rows]
+                shapes[w, rows] = error.at(read).T / sigma
                 start = data.smooth[first] + sd * lin.r[w, -4:]
                 shapes[w, -4 + c] = error.at(start[[c]])[:, 0] / sd[c]
                 slope = error.slope(start[[c]])[:, 0]
@@ -88,7 +88,8 @@ class Floor:
 def noise_alone(setting: Setting) -> Floor:
     """The floor where nothing is known of the calibration's error."""
     none = np.zeros(0)
-    return Floor(dict(setting.noise), dict.fromkeys(setting.noise, 0.0), none, none)
+    noise = setting.held_out_noise
+    return Floor(noise, dict.fromkeys(noise, 0.0), none, none)
 
 
 def floor(setting: Setting, fit: Fit, held_out: Fit) -> Floor:
@@ -111,39 +112,43 @@ def floor(setting: Setting, fit: Fit, held_out: Fit) -> Floor:
     scale = np.sqrt(np.maximum(np.diag(H), 1e-300))
     inverse = np.linalg.pinv(H / np.outer(scale, scale), rcond=1e-12, hermitian=True)
     follow = -inverse @ (elim.H.sum(axis=0)[:nb, nb:] / scale[:, None]) / scale[:, None]
-    forms, _ = _left(fit.linearisation, jac, follow)
+    ones = np.ones((fit.problem.windows.n, 2))
+    forms, _ = _left(fit.linearisation, jac, follow, ones)
 
     there = held_out.problem.linearise(held_out.values, held_out.states, slots_of(unknowns))
     jac = np.concatenate([spread(there, unknowns), columns(setting, held_out)], axis=2)
-    unseen, count = _left(there, jac, follow)
+    unseen, count = _left(there, jac, follow, held_out.problem.sigma)
     used = count > 0
     square = np.zeros_like(unseen)
-    square[used] = unseen[used] * (fit.problem.sigma[used] ** 2 / count[used])[:, None, None]
+    square[used] = unseen[used] / count[used][:, None, None]
     return Floor(
-        dict(setting.noise),
+        setting.held_out_noise,
         {n: float(np.sqrt(np.trace(square[NAMES.index(n)]))) for n in setting.noise},
         np.maximum(np.linalg.eigvalsh(square[used].mean(axis=0)), 0.0),
         np.maximum(np.linalg.eigvalsh(forms.sum(axis=0)), 0.0) / max(fit.dof, 1),
     )
 
 
-def _left(lin: Linearisation, jac: np.ndarray, follow: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _left(
+    lin: Linearisation, jac: np.ndarray, follow: np.ndarray, unit: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """What the shapes leave in the samples when window states and unknowns follow them.
 
     Args:
         lin: of some windows.
         jac: (w, m, u + q) by the unknowns and the shapes' numbers.
         follow: (u, q) how the unknowns follow those numbers.
+        unit: (w, 2) by which residuals are multiplied.
 
     Returns:
-        (2, q, q) sums of products by channel, in variances of the noise; (2,) samples less
-        estimated states, as `HeldOut.samples`.
+        (2, q, q) sums of products by channel; (2,) samples less estimated states, as
+        `HeldOut.samples`.
     """
     gain = eliminate(lin.r, lin.states_jac, jac).state_gain
     left = jac + lin.states_jac @ gain
     nb = len(follow)
     left = (left[..., nb:] + left[..., :nb] @ follow) * lin.valid[..., None]
-    left = left[:, :-4].reshape(len(left), -1, 2, left.shape[2])
+    left = left[:, :-4].reshape(len(left), -1, 2, left.shape[2]) * unit[:, None, :, None]
     samples = lin.valid[:, :-4].reshape(len(left), -1, 2).sum(axis=1)
     count = np.maximum(samples - 2.0, 0.0).sum(axis=0)
     return np.einsum("wncq,wncr->cqr", left, left), count

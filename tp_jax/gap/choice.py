@@ -21,9 +21,6 @@ from tp_jax.gap.structure import Structure, structure_test
 
 log = logging.getLogger(__name__)
 
-LEVEL = 0.05  # family-wise level of the tests of structure
-IN_CATALOGUE = 0.5  # of it, for structure like the catalogue's; the rest for any (`free_structure`)
-SEEN = IN_CATALOGUE * LEVEL
 REFITTED = (6, 4, 4)  # candidates refitted in each round
 ALWAYS, SETTLED = 3, 0.05  # once so many are refitted and so little of the gap is left, stop
 BY_CHANCE = 2.0  # standard deviations of a sum of squares of noise alone
@@ -108,12 +105,12 @@ def choose(
         before, rest = current.fit, dict(skip=current.ids, states=not current.ids)
         seen = screen(before, setting, **rest)
         structure = structure_test(seen, seed)
-        if structure.p < SEEN and _may_be_smoothing(before, sharp.fit):
+        if structure.p < POLICY.structure.seen and _may_be_smoothing(before, sharp.fit):
             before = sharp.fit
             seen = screen(before, setting, **rest)
             structure = structure_test(seen, seed)
         last, small = n == len(REFITTED), False
-        if current.ids and structure.p < SEEN and not last:
+        if current.ids and structure.p < POLICY.structure.seen and not last:
             seen = screen(before, setting, skip=current.ids)
             structure = structure_test(seen, seed)
             # A cause takes something worth telling with it, if it is not the last that was missing.
@@ -123,7 +120,7 @@ def choose(
             small = near and promised <= LEAST_PART * noise_only
             last = small and promised <= CLEARLY
         log.info("round %d: structure p %.4g", n + 1, structure.p)
-        if structure.p >= SEEN or last:
+        if structure.p >= POLICY.structure.seen or last:
             rounds.append(Round(before, current.fit, seen, structure, {}, {}, None))
             break
         block = blocks_of(current.fit, setting)
@@ -322,11 +319,11 @@ def _clearly(setting: Setting, before: Refit, after: Refit, seed: int) -> bool:
         return False
     if removable(after.fit) > NOISE_ALONE * after.fit.dof:
         return False
-    if free_structure(setting, after.fit).p < (1.0 - IN_CATALOGUE) * LEVEL:
+    if free_structure(setting, after.fit).p < POLICY.structure.left:
         return False
     seen = screen(after.fit, setting, skip=after.ids, states=False)
     promised = max((s.drop for s in seen.scored), default=0.0)
-    return promised <= BESIDE * took or structure_test(seen, seed).p >= SEEN
+    return promised <= BESIDE * took or structure_test(seen, seed).p >= POLICY.structure.seen
 
 
 def _amplitudes(result: Refit) -> int:
@@ -344,7 +341,8 @@ def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> li
     """
     ranked = seen.best()
     if any(r.calibration_error for r in setting.recordings):
-        sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < SEEN}
+        level = POLICY.structure.seen
+        sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < level}
         ranked = [
             s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")
         ]

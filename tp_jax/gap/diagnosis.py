@@ -19,7 +19,7 @@ from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import check_predictable, why_not
 from tp_jax.gap.calibration import Floor, floor
-from tp_jax.gap.choice import SEEN, Choice, choose, tied_by_gain
+from tp_jax.gap.choice import Choice, choose, tied_by_gain
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.free_structure import free_structure
@@ -32,7 +32,7 @@ from tp_jax.gap.refit import Refit, removable, sharper
 from tp_jax.gap.relative import told
 from tp_jax.gap.screen import Scored
 from tp_jax.gap.series import curves, recordings, residuals
-from tp_jax.gap.verdict import Evidence, both, verdict
+from tp_jax.gap.verdict import Evidence, combined, verdict
 from tp_jax.recordings import Campaign, hold_out
 from tp_jax.recordings.noise import quantum
 
@@ -160,8 +160,11 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
     excess = _excess(setting, baseline, least)
     anything = {"before": free_structure(setting, baseline)}
     anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
-    structure_p = both(first.structure.p, anything["before"].p)
-    structure_p_after = both(choice.structure.p, anything["after"].p)
+    structure_p = combined(first.structure.p, anything["before"].p, excess)
+    structure_p_after = structure_p
+    if final.ids:
+        left = _excess(setting, final.fit, least)
+        structure_p_after = combined(choice.structure.p, anything["after"].p, left)
     probabilities = cause_probabilities(choice, setting)
     start_before, free_before = _free(setting, baseline, horizon)
     start_after, free_after = (
@@ -171,8 +174,9 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
     worse = final.ids if final.ids and _is_worse(gap_before, gap_after) else ()
     word = verdict(
         _evidence(
-            setting, choice, before, after, least, structure_p, structure_p_after, excess,
+            setting, choice, before, after, least, structure_p, structure_p_after,
             _with_ties(setting, choice, probabilities), total, bool(worse),
+            gap_before["free_run"], gap_after["free_run"],
         ), tolerance,
     )  # fmt: skip
     no_gap = word == "no_gap"
@@ -311,18 +315,25 @@ def _with_ties(setting: Setting, choice: Choice, probabilities: dict[str, float]
 
 def _evidence(
     setting: Setting, choice: Choice, before: HeldOut, after: HeldOut, least: Floor,
-    structure_p: float, structure_p_after: float, excess: float, probability: float,
-    total: Shrink, worse: bool,
+    structure_p: float, structure_p_after: float, probability: float, total: Shrink, worse: bool,
+    free_before: float | None, free_after: float | None,
 ) -> Evidence:  # fmt: skip
     floor2 = float(np.mean([v**2 for v in least.total.values()]))
     left, gap = after.mean_square() - floor2, before.mean_square() - floor2
-    samples = float(after.samples.sum())
-    error = float(np.hypot(floor_error(setting), np.sqrt(2.0 / max(samples, 1.0))))
+    levels = np.array([*least.noise.values(), 0.0])[:2]
+    error = float(np.hypot(floor_error(setting), after.chance(levels)))
     error = float(np.hypot(error, np.sqrt(2.0) * least.parts.sum() / max(floor2, 1e-300)))
+
+
+    def beyond(windowed: float, free: float | None) -> float:
+        """What exceeds the noise in windows or in a free run [rad]; infinite of one that fails."""
+        run = np.inf if free is None else free**2 - floor2
+        return float(np.sqrt(max(windowed, run, 0.0)))
+
     return Evidence(
-        structure_p, structure_p_after, excess, len(choice.causes), probability, total,
-        left / max(floor2, 1e-300), error, float(np.sqrt(max(gap, 0.0))),
-        float(np.sqrt(max(left, 0.0))), worse,
+        structure_p, structure_p_after, len(choice.causes), probability, total,
+        left / max(floor2, 1e-300), error, beyond(gap, free_before), beyond(left, free_after),
+        worse,
     )  # fmt: skip
 
 
@@ -423,7 +434,7 @@ def _sizes(setting: Setting, final: Refit) -> dict[str, dict]:
 def _candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrink]) -> list[dict]:
     first = choice.rounds[0]
     gap = max(removable(first.before), 1e-12)
-    significant = first.structure.p < SEEN
+    significant = first.structure.p < POLICY.structure.seen
     rows = []
     for s in first.screen.best():
         realised = shrinks.get(s.id)

@@ -54,11 +54,11 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
         for y in readings:
             smooth = np.concatenate([y, np.gradient(y, t, axis=0)], axis=1)
             channels = np.array([True, setting.rider])
-            prepared.append(Prepared(t, y, channels, smooth, sd, None))
+            prepared.append(Prepared(t, y, channels, smooth, sd, None, sigma=setting.sigma))
         windows = cut(prepared, fit.problem.windows.horizon)
         capacity = room(windows, setting.capacity)
         return Problem(
-            setting.layout, tuple(prepared), windows, setting.sigma, capacity,
+            setting.layout, tuple(prepared), windows, capacity,
             setting.fixed["B1"], programs=setting.programs,
         )  # fmt: skip
 

@@ -25,7 +25,7 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
     windows = Windows(np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon)
     capacity = room(windows, setting.capacity)
     problem = Problem(
-        setting.layout, setting.prepared, windows, setting.sigma, capacity, setting.fixed["B1"],
+        setting.layout, setting.prepared, windows, capacity, setting.fixed["B1"],
         programs=setting.programs,
     )  # fmt: skip
     return fit(problem, values, (), max_iterations=15, relative=1e-6).states[0]

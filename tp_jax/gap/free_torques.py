@@ -76,7 +76,7 @@ def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
     before = fit.problem
     layout = Layout(setting.campaign.model, effects)
     problem = Problem(
-        layout, before.prepared, before.windows, before.sigma, before.capacity, before.B1,
+        layout, before.prepared, before.windows, before.capacity, before.B1,
         before.tolerances,
     )  # fmt: skip
     values = Values.build(layout, fit.values.table.shape[1], {})
@@ -124,12 +124,12 @@ def errors_of_readings(setting: Setting, fit: Fit) -> FreeColumns:
     start_sd = np.array([
         setting.prepared[r].smooth_sd[f] for r, f in zip(w.recording, w.first, strict=True)
     ])  # fmt: skip
-    velocity = lin.states[:, :, 2:4]
+    velocity, sigma = lin.states[:, :, 2:4], problem.sigma
 
     def add(name: str, errors: dict, prior: dict | None = None, weight: float = 1.0) -> None:
         column = np.zeros((w.n, lin.r.shape[1]))
         for c, error in errors.items():
-            column[:, c : 2 * n : 2] = error / problem.sigma[c]
+            column[:, c : 2 * n : 2] = error / sigma[:, [c]]
         # the prior of a window's state is a reading too, if a smoothed one
         for row, error in (prior or {}).items():
             column[:, 2 * n + row] = error / start_sd[:, row]

@@ -10,11 +10,13 @@ import numpy as np
 from scipy import stats
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances
+from tp_jax.recordings import Colour
 
 FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its estimator, at least
 PER_SAMPLE = 3.0  # times the root of the samples: fifth differences, and a median over recordings
@@ -26,16 +28,19 @@ DRAWS = 2000
 class HeldOut:
     """Windowed errors of one model on the held-out recordings.
 
-    squares: (w, 2) sums of squares [rad^2] by window and channel; samples: (w, 2) samples less
-    estimated states; fit: the fit of the window states; complete: whether the model could be
+    squares: (w, 2) sums of squares [rad^2] by window and channel; samples: (w, 2) what noise alone
+    would make of them in units of its variance: samples less estimated states, and less or more
+    where it is coloured; fit: the fit of the window states; complete: whether the model could be
     integrated through all windows (those through which it could not have neither squares nor
-    samples).
+    samples); scatter: (w, 2) half the variance of the squares of noise alone, in units of the
+    square of its variance (`samples` if None).
     """
 
     squares: np.ndarray
     samples: np.ndarray
     fit: Fit
     complete: bool = True
+    scatter: np.ndarray | None = None
 
     def mean_square(self, weight: np.ndarray | None = None) -> float:
         """Mean over channels of their mean squares [rad^2]; `weight` (w,) counts windows.
@@ -49,6 +54,22 @@ class HeldOut:
         total = (w[:, None] * self.squares).sum(axis=0)[used]
         count = (w[:, None] * self.samples).sum(axis=0)[used]
         return float((total / np.maximum(count, 1.0)).mean())
+
+
+    def chance(self, levels: np.ndarray) -> float:
+        """Relative standard error of `mean_square` where nothing but noise is left.
+
+        Args:
+            levels: (2,) noise of the channels [rad].
+        """
+        scatter = (self.samples if self.scatter is None else self.scatter).sum(axis=0)
+        count = self.samples.sum(axis=0)
+        used = count > 0
+        if not used.any():
+            return float("inf")
+        square = levels[used] ** 2
+        error = square * np.sqrt(2.0 * scatter[used]) / count[used]
+        return float(np.sqrt((error**2).sum()) / square.sum())
 
 
 def carried_over(values: Values, setting: Setting) -> Values:
@@ -125,10 +146,41 @@ def squares(result: Fit) -> HeldOut:
     r = result.linearisation.samples
     nw = r.shape[0]
     valid = result.linearisation.valid[:, :-4].reshape(nw, -1, 2)
-    error = (r.reshape(nw, -1, 2) * problem.sigma) * valid
+    error = (r.reshape(nw, -1, 2) * problem.sigma[:, None]) * valid
     complete = result.linearisation.complete
-    count = np.maximum(valid.sum(axis=1) - 2.0, 0.0) * complete[:, None]
-    return HeldOut((error**2).sum(axis=1), count, result, bool(complete.all()))
+    count = scatter = np.maximum(valid.sum(axis=1) - 2.0, 0.0) * complete[:, None]
+    if problem.coloured:
+        count, scatter = expected_squares(result)
+        count, scatter = count * complete[:, None], scatter * complete[:, None]
+    return HeldOut((error**2).sum(axis=1), count, result, bool(complete.all()), scatter)
+
+
+def expected_squares(result: Fit) -> tuple[np.ndarray, np.ndarray]:
+    """Sums of squares (w, 2) that coloured noise alone leaves, and half their variances (w, 2).
+
+    In units of the noise's variance and its square. With the covariance C of a channel's samples,
+    their derivatives X by the window's state and that state's covariance Q, what is left has the
+    covariance S = C - X Q X'; its sum of squares has the mean tr S and the variance 2 tr S^2
+    (Rao, 1973, Linear Statistical Inference, 2nd ed., section 4a).
+    """
+    from scipy.linalg import matmul_toeplitz
+
+    problem = result.problem
+    white = [dataclasses.replace(p, colour=(Colour(), Colour())) for p in problem.prepared]
+    read = dataclasses.replace(problem, prepared=tuple(white))
+    X = read.linearise(result.values, result.states, ()).states_jac
+    J = result.linearisation.states_jac
+    mean, square = np.zeros((len(X), 2)), np.zeros((len(X), 2))
+    for w, r in enumerate(problem.windows.recording):
+        Q, n = scaled_inverse(J[w].T @ J[w]), int(problem.windows.count[w])
+        for c in np.flatnonzero(problem.prepared[r].channels):
+            Xc, row = X[w, c : 2 * n : 2], problem.prepared[r].colour[c].covariance(n)
+            inner = Q @ Xc.T @ Xc
+            both = Q @ Xc.T @ matmul_toeplitz(row, Xc, check_finite=False)
+            own = n + 2.0 * float((np.arange(n - 1, 0, -1) * row[1:] ** 2).sum())
+            mean[w, c] = n - np.trace(inner)
+            square[w, c] = own - 2.0 * np.trace(both) + np.trace(inner @ inner)
+    return np.maximum(mean, 0.0), np.maximum(square, 0.0)
 
 
 def floor_error(setting: Setting) -> float:

@@ -90,7 +90,9 @@ def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: Confirm
         there = _states_fitted(result, values, free, mine, None)
         short.append(there.linearisation.cost())
         longer = _states_fitted(result, values, free, mine, policy.long)
-        error = longer.linearisation.samples * _sigma(longer)
+        error = longer.linearisation.samples * np.tile(
+            longer.problem.sigma, longer.linearisation.n_samples
+        )
         valid = longer.linearisation.valid[:, :-4]
         complete = longer.linearisation.complete.all()
         long.append(float((error[valid] ** 2).mean()) if complete and valid.any() else np.nan)
@@ -111,10 +113,6 @@ def largest_share(result: Refit) -> float:
     told = np.einsum("ij,wji->w", inverse, H) / max(len(mine), 1)
     which = fit.problem.windows.recording
     return max(float(told[which == r].sum()) for r in np.unique(which))
-
-
-def _sigma(found: Fit) -> np.ndarray:
-    return np.tile(found.problem.sigma, found.linearisation.samples.shape[1] // 2)
 
 
 def _states_fitted(

@@ -10,8 +10,9 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.problem import Linearisation, spread
-from tp_jax.gap.choice import SEEN, Choice
+from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_torques import free_columns
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import removable
 from tp_jax.gap.variance_components import VarianceComponents, attribute
 
@@ -52,7 +53,8 @@ def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
         when.setdefault(location, describe(r, location))
     last = [r.refits[r.taken].fit for r in choice.rounds if r.taken is not None][-1:]
     # Of a small gap the noise's own uncertainty is a large part; then no structure left will do.
-    if last and (removable(last[0]) <= (1.0 - EXPLAINED) * total or choice.structure.p >= SEEN):
+    nothing_left = choice.structure.p >= POLICY.structure.seen
+    if last and (removable(last[0]) <= (1.0 - EXPLAINED) * total or nothing_left):
         norm = sum(taken.values())
         ranked = sorted(taken.items(), key=lambda kv: -kv[1])
         return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]

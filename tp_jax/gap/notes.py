@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.gap.calibration import Floor
-from tp_jax.gap.choice import IN_CATALOGUE, LEVEL, Choice
+from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import FreeStructure
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
 
 
@@ -68,7 +69,7 @@ def notes(
             f"With {' and '.join(worse)} the held-out recordings are predicted worse than without: "
             "that model is not offered."
         )
-    if word == "unknown" and final.ids and structure_p_after >= LEVEL:
+    if word == "unknown" and final.ids and structure_p_after >= POLICY.structure.level:
         said.append(
             "The fitted recordings show no structure beside what is named, but the cause is not "
             "certain enough, or the held-out recordings show more than noise."
@@ -88,7 +89,7 @@ def _joined(numbers: Sequence[int]) -> str:
 
 def _likeness(anything: FreeStructure) -> list[str]:
     """What the readings look like that no cause explains, where that can be said."""
-    if anything.p >= (1.0 - IN_CATALOGUE) * LEVEL:
+    if anything.p >= POLICY.structure.left:
         return []
     where, *kind = anything.source.split()
     of = "times" if where == "clock" else f"the readings of {where}"

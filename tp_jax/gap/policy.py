@@ -77,30 +77,49 @@ class StructurePolicy:
     """When readings deviate in a way that noise would not.
 
     Attributes:
+        level: of the three tests of structure together.
+        catalogue, free, misfit: parts of the level that belong to structure like the catalogue's,
+            to structure of any kind, and to a misfit that is larger than the noise without any
+            structure. The last is small, since the noise's level is an estimate; it is reached at
+            three standard errors.
         colour: relative error of the spectral density of coloured noise, which is an estimate with
             two numbers; white noise is known better than any test here asks.
     """
 
+    level: float = 0.05
+    catalogue: float = 0.485
+    free: float = 0.485
+    misfit: float = 0.03
     colour: float = 0.3
+
+    @property
+    def seen(self) -> float:
+        """Level of the test in the catalogue's directions alone."""
+        return self.catalogue * self.level
+
+    @property
+    def left(self) -> float:
+        """Level of the test of any structure alone."""
+        return self.free * self.level
 
 
 @dataclasses.dataclass(frozen=True)
 class VerdictPolicy:
-    """When a gap counts as explained.
+    """When a gap counts as explained, and which causes are offered.
 
     Attributes:
-        level: of the tests of structure together.
         excess: standard errors by which something is beyond the noise.
         probability: of each cause with its ties, at least.
+        offered: the same, for a cause to be listed at all; less is a candidate.
         left: part of the noise's variance that may be left of a large gap where its structure is
             still seen; a tenth raises the error by five per cent.
         gone: lower end of the interval of shrink from which a gap counts as large.
         worse: rise of the held-out error with the causes that makes the model a worse one.
     """
 
-    level: float = 0.05
     excess: float = 3.0
     probability: float = 0.9
+    offered: float = 0.5
     left: float = 0.1
     gone: float = 0.95
     worse: float = 1.02

@@ -6,7 +6,7 @@ s = g_e - H_eb H_bb^-1 g_b with information V = H_ee - H_eb H_bb^-1 H_be; its pr
 sum of squares is s' V^-1 s, or less where that takes an amplitude beyond its bounds (many are at
 one at null: no friction gives way by a negative part). What the calibration may have put the angles
 off belongs to b, with a prior (`calibration`). The score's covariance is taken from the scatter of
-the windows, in blocks of a second or more, since neighbouring windows are correlated by what the
+the windows, in blocks of two periods or more, since neighbouring windows are correlated by what the
 model lacks.
 """
 
@@ -58,16 +58,24 @@ class Screen:
     """All effects and grid points.
 
     total: (E,) efficient scores, summed over windows; information: (E, E) over all their columns,
-    efficient; information_by_block: (B, E, E) its parts, which are the covariances of the blocks'
-    scores where nothing but noise is in them; one more if there is a calibration's error, for what
-    that may do to their sum.
+    efficient; by_block: (B, E + u, E + u) covariances of the blocks' efficient scores and gradients
+    by the fit's unknowns where nothing but noise is in them, before those are fitted; one more if
+    there is a calibration's error, for what that may do to their sum; covariance: (u, u) of the
+    unknowns.
     """
 
     scored: tuple[Scored, ...]
     information: np.ndarray
-    information_by_block: np.ndarray
+    by_block: np.ndarray
     not_applicable: dict[str, str]
-    total: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(0))
+    total: np.ndarray
+    covariance: np.ndarray
+
+    @property
+    def information_by_block(self) -> np.ndarray:
+        """(B, E, E) parts of the information."""
+        n = len(self.information)
+        return self.by_block[:, :n, :n]
 
     def pair(self, limit: int = 12) -> tuple[Scored, Scored, float] | None:
         """The two effects that would help most together, and their predicted drop.
@@ -150,19 +158,21 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
     scale = np.where(scale > 0, scale, 1.0)
     Hbb = H[:nb, :nb] / np.outer(scale[:nb], scale[:nb])
     Hbe = H[:nb, nb:] / scale[:nb, None]
-    gain = np.linalg.pinv(Hbb, rcond=1e-12, hermitian=True) @ Hbe / scale[:nb, None]
+    inverse = np.linalg.pinv(Hbb, rcond=1e-12, hermitian=True)
+    gain = inverse @ Hbe / scale[:nb, None]
     V = H[nb:, nb:] - H[nb:, :nb] @ gain
     V = 0.5 * (V + V.T)
     score = elim.g[:, nb:] - elim.g[:, :nb] @ gain  # (w, E)
     block = blocks_of(fit, setting)
     by_block = np.zeros((block.max() + 1, score.shape[1]))
     np.add.at(by_block, block, score)
-    V_by_block = np.zeros((block.max() + 1, *V.shape))
-    follow = np.concatenate([-gain, np.eye(V.shape[0])])
-    np.add.at(V_by_block, block, follow.T @ elim.H @ follow)
+    follow = np.eye(nb + len(V))[:, np.r_[nb : nb + len(V), :nb]]
+    follow[:nb, : len(V)] = -gain
+    joint = np.zeros((block.max() + 1, *follow.shape))
+    np.add.at(joint, block, follow.T @ elim.H @ follow)
     if nb > len(base):
-        prior = gain[len(base) :]
-        V_by_block = np.concatenate([V_by_block, (prior.T @ prior)[None]])
+        prior = follow[len(base) : nb]
+        joint = np.concatenate([joint, (prior.T @ prior)[None]])
     total = g[nb:] - g[:nb] @ gain
     scored = []
     for variant, rows in order:
@@ -175,7 +185,8 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
                 -gain[: len(base), rows] @ estimate, rows, limits,
             )
         )  # fmt: skip
-    return Screen(tuple(scored), V, V_by_block, missing, total)
+    covariance = inverse / np.outer(scale[:nb], scale[:nb])
+    return Screen(tuple(scored), V, joint, missing, total, covariance)
 
 
 def _limits(fit: Fit, variant: Variant) -> np.ndarray:

@@ -60,10 +60,10 @@ def residuals(setting: Setting, before: HeldOut, after: HeldOut | None, least: F
     """
     out = []
     total = least.total.items()
-    unit = {n: s / x if x else 1.0 for s, (n, x) in zip(setting.sigma, total, strict=False)}
     windows = before.fit.problem.windows
     for i in setting.held_out:
         p = setting.prepared[i]
+        unit = {n: s / x if x else 1.0 for s, (n, x) in zip(p.sigma, total, strict=False)}
         mine = np.flatnonzero(windows.recording == i)
         series = {}
         for name, held in (("before", before), ("after", after)):

@@ -10,7 +10,8 @@ is not quite white, or not quite of the size that was taken, makes it larger and
 significant. Blocks count by what they can tell and not by what they happen to say, and an effect
 that few blocks tell anything of (where runs begin) is lent the phi that is usual, so it is found
 too; signs flipped at random (Cameron, Gelbach and Miller, 2008, Rev. Econ. Stat. 90) have no power
-there.
+there. What the fit's own unknowns took of the blocks' scatter is taken off the drawn scores too:
+with few blocks that is much of it.
 
 The distribution of the largest F of all effects comes from normal scores with the blocks' joint
 covariances, whatever number of blocks there is and however effects resemble each other.
@@ -54,18 +55,24 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
     observed = _statistics(blocks[None], seen, forms)[:, 0]
-    root = _roots(V)
+    root = _roots(seen.by_block)
     rng = np.random.default_rng(seed)
     largest = np.concatenate([
-        _statistics(
-            np.einsum("bij,dbj->dbi", root, rng.standard_normal((CHUNK, *V.shape[:2])),
-                      optimize=True),
-            seen, forms,
-        ).max(axis=0)
+        _statistics(_drawn(root, seen, rng), seen, forms).max(axis=0)
         for _ in range(DRAWS // CHUNK)
     ])  # fmt: skip
     p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
     return Structure(float(p.min()), p, largest.size)
+
+
+def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarray:
+    """Scores (CHUNK, B, E) of noise alone, after the unknowns have been fitted to it."""
+    normal = rng.standard_normal((CHUNK, *root.shape[:2]))
+    both = np.einsum("bij,dbj->dbi", root, normal, optimize=True)
+    n = len(seen.information)
+    scores, gradients = both[:, :, :n], both[:, :, n:].sum(axis=1)
+    step = gradients @ seen.covariance
+    return scores - np.einsum("beu,du->dbe", seen.by_block[:, :n, n:], step, optimize=True)
 
 
 def _roots(V: np.ndarray) -> np.ndarray:

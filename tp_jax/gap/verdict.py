@@ -2,9 +2,10 @@
 
 import dataclasses
 
-from tp_jax.gap.choice import IN_CATALOGUE
+from scipy import stats
+
 from tp_jax.gap.held_out import Shrink
-from tp_jax.gap.policy import POLICY, VerdictPolicy
+from tp_jax.gap.policy import POLICY, Policy, StructurePolicy
 
 
 @dataclasses.dataclass(frozen=True)
@@ -12,21 +13,20 @@ class Evidence:
     """What a verdict rests on.
 
     Attributes:
-        structure_p: family-wise p of the tests of structure at the baseline (`both`).
+        structure_p: family-wise p of the tests of structure at the baseline (`combined`).
         structure_p_after: the same with the causes.
-        excess_z: standard errors by which the baseline's misfit exceeds the noise.
         causes: number of accepted causes.
         probability: of the least probable of them, each with those it is tied with.
         shrink: on held-out data.
         rest: mean square that is left on held-out data beyond the noise, over the noise's variance.
         rest_error: its standard error.
-        gap_rms, rest_rms: what exceeds the noise there before and after, root mean squares [rad].
+        gap_rms, rest_rms: what exceeds the noise there before and after, root mean squares [rad],
+            in windows or in a free run, whichever is more.
         worse: whether the model with the causes predicts held-out data worse than that without.
     """
 
     structure_p: float
     structure_p_after: float
-    excess_z: float
     causes: int
     probability: float
     shrink: Shrink
@@ -37,12 +37,13 @@ class Evidence:
     worse: bool = False
 
 
-def verdict(e: Evidence, tolerance: float = 0.0, policy: VerdictPolicy = POLICY.verdict) -> str:
+def verdict(e: Evidence, tolerance: float = 0.0, policy: Policy = POLICY) -> str:
     """no_gap, explained or unknown.
 
     Args:
         e: what was measured.
-        tolerance: root mean square [rad] below which a gap matters to nobody.
+        tolerance: root mean square [rad] below which a gap matters to nobody; with 0 every gap
+            matters that the tests see.
         policy: thresholds.
 
     `explained` asks that the causes are probable and that on data not used for the choice nothing
@@ -50,22 +51,36 @@ def verdict(e: Evidence, tolerance: float = 0.0, policy: VerdictPolicy = POLICY.
     that is not the right one may take most of a gap: what it leaves then comes again where the
     motion does.
     """
-    if e.structure_p >= policy.level and e.excess_z < policy.excess:
+    limits = policy.verdict
+    if e.structure_p >= policy.structure.level:
         return "no_gap"
-    if e.gap_rms <= tolerance:
+    if 0.0 < tolerance and e.gap_rms <= tolerance:
         return "no_gap"
-    if not e.causes or e.worse or e.probability < policy.probability:
+    if not e.causes or e.worse or e.probability < limits.probability:
         return "unknown"
-    if e.rest_rms <= tolerance:
+    if 0.0 < tolerance and e.rest_rms <= tolerance:
         return "explained"
-    noise = e.rest <= policy.excess * e.rest_error
-    if noise and e.structure_p_after >= policy.level:
+    noise = e.rest <= limits.excess * e.rest_error
+    if noise and e.structure_p_after >= policy.structure.level:
         return "explained"
     low = e.shrink.ci95[0] if e.shrink.ci95 else 0.0
-    little = e.rest <= policy.left + policy.excess * e.rest_error
-    return "explained" if little and low >= policy.gone else "unknown"
+    little = e.rest <= limits.left + limits.excess * e.rest_error
+    return "explained" if little and low >= limits.gone else "unknown"
 
 
-def both(catalogue_p: float, free_p: float) -> float:
-    """Family-wise p of the two tests of structure: in the catalogue's directions, and in any."""
-    return min(catalogue_p / IN_CATALOGUE, free_p / (1.0 - IN_CATALOGUE), 1.0)
+def combined(
+    catalogue_p: float, free_p: float, excess_z: float, policy: StructurePolicy = POLICY.structure
+) -> float:
+    """Family-wise p that a fit leaves nothing but noise.
+
+    The tests in the catalogue's directions, in any, and of the misfit's size share the level
+    (Bonferroni, in unequal parts), so that whatever rejects shows in this one number.
+
+    Args:
+        catalogue_p, free_p: of the first two.
+        excess_z: standard errors by which the misfit exceeds the noise.
+        policy: their parts of the level.
+    """
+    misfit_p = float(stats.norm.sf(excess_z))
+    parts = catalogue_p / policy.catalogue, free_p / policy.free, misfit_p / policy.misfit
+    return min(*parts, 1.0)

@@ -102,7 +102,7 @@ def designs_of(setting: Setting, fit: Fit) -> tuple[Design, ...]:
         r = setting.recordings[i]
         first = int(np.flatnonzero(windows.recording == i)[0])
         span = min(r.duration, SPAN * setting.horizons[0])
-        sigma = np.where(setting.prepared[i].channels, setting.sigma, np.inf)
+        sigma = np.where(setting.prepared[i].channels, setting.levels[i], np.inf)
         designs.append(
             Design(
                 r.label,

@@ -11,6 +11,7 @@
     arrays                      recordings and campaigns without files
     gaps                        where samples were lost
     thinning                    means of blocks, where there are samples to spare
+    colour, noise_colour        correlated noise; what the angles alone say of it
     noise, smooth, holdout      noise levels, starting states, what is never fitted
     calibration_error           how far a calibration may have put the angles off
     writer                      CSV out
@@ -23,6 +24,7 @@ from tp_jax.recordings.calibration_error import CalibrationError as CalibrationE
 from tp_jax.recordings.campaign import Campaign as Campaign
 from tp_jax.recordings.campaign import load_campaign as load_campaign
 from tp_jax.recordings.checks import LEAST_SAMPLES as LEAST_SAMPLES
+from tp_jax.recordings.colour import Colour as Colour
 from tp_jax.recordings.entries import Known as Known
 from tp_jax.recordings.faults import CampaignError as CampaignError
 from tp_jax.recordings.formats import Columns as Columns
@@ -33,7 +35,7 @@ from tp_jax.recordings.gaps import stretches as stretches
 from tp_jax.recordings.holdout import hold_out as hold_out
 from tp_jax.recordings.noise import noise_floor as noise_floor
 from tp_jax.recordings.noise import noise_level as noise_level
-from tp_jax.recordings.noise_colour import Colour as Colour
+from tp_jax.recordings.noise import noise_levels as noise_levels
 from tp_jax.recordings.noise_colour import noise_colour as noise_colour
 from tp_jax.recordings.noise_colour import same_rate as same_rate
 from tp_jax.recordings.recording import Recording as Recording

@@ -1,19 +1,23 @@
-"""The level of the sensors' white noise, from the recorded angles alone.
+"""The level of the sensors' noise, from the recorded angles alone.
 
 Differences of order m wipe out whatever a polynomial of degree m - 1 can follow within m + 1
 samples, and leave the noise. Low orders leave some of the motion too; the motion's share falls
 with every order where the sampling resolves it, the noise's stays. The order is therefore raised
 until the level no longer falls by more than its own sampling error. A robust scale keeps the few
-samples near a kink (where friction turns round) out of it.
+samples near a kink (where friction turns round) out of it. Of coloured noise a difference sees more
+or less than of white noise, by a factor that the colour gives (`Colour.seen`).
 """
 
-from collections.abc import Iterable
+import dataclasses
+from collections.abc import Iterable, Sequence
 from math import comb
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from tp_jax.recordings.colour import Colour
 from tp_jax.recordings.gaps import stretches
+from tp_jax.recordings.noise_colour import same_rate
 from tp_jax.recordings.recording import Recording
 
 ORDERS = range(2, 9)
@@ -22,16 +26,34 @@ _CLIP = 3.0  # standard deviations
 _CLIPPED_VARIANCE = 0.97333  # of a standard normal, given that it lies within _CLIP
 
 
-def noise_level(t: np.ndarray, y: np.ndarray) -> float:
-    """Standard deviation of the white measurement noise of one channel.
+@dataclasses.dataclass(frozen=True)
+class LevelPolicy:
+    """When a recording has a noise level of its own.
+
+    Attributes:
+        apart: part by which its standard deviation differs from that of the recordings at its
+            rate; less moves no decision, and the common level is the better known.
+        errors: standard errors by which it differs.
+    """
+
+    apart: float = 0.15
+    errors: float = 5.0
+
+
+POLICY = LevelPolicy()
+
+
+def noise_level(t: np.ndarray, y: np.ndarray, colour: Colour | None = None) -> float:
+    """Standard deviation of the measurement noise of one channel.
 
     Never below quantum / sqrt(12), the error of rounding, where y comes in steps. Noise of a
-    band narrower than the sampling looks like motion and is not counted. Nothing is compared
-    across a gap, and stretches of fewer than 4 samples are not used.
+    band narrower than the sampling looks like motion and is not counted, unless its colour is
+    known. Nothing is compared across a gap, and stretches of fewer than 4 samples are not used.
 
     Args:
         t: (n,) rising times [s]; they need not be uniform.
         y: (n,) values, n >= 10 for all orders to be used.
+        colour: of the noise; white if None.
 
     Returns:
         The level in y's unit; 0 for a constant.
@@ -39,6 +61,11 @@ def noise_level(t: np.ndarray, y: np.ndarray) -> float:
     Raises:
         ValueError: fewer than 4 samples without a gap.
     """
+    return _level(t, y, colour)[0]
+
+
+def _level(t: np.ndarray, y: np.ndarray, colour: Colour | None) -> tuple[float, float]:
+    """Level of one channel, and its relative standard error."""
     t, y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
     parts = stretches(t)
     longest = max(part.stop - part.start for part in parts)
@@ -54,12 +81,48 @@ def noise_level(t: np.ndarray, y: np.ndarray) -> float:
     levels, errors = [], []
     for order in sorted(by_order):
         difference = np.concatenate(by_order[order])
-        level = _robust_scale(difference)
+        level = _robust_scale(difference) / (1.0 if colour is None else colour.seen(order))
         levels.append(level)
-        errors.append(level * _relative_error(order, difference.size))
+        errors.append(_relative_error(order, difference.size))
     # The first order, not the smallest level: the least of several estimates is biased.
-    settled = next(i for i, level in enumerate(levels) if level - min(levels[i:]) <= errors[i])
-    return max(levels[settled], quantum(y) / float(np.sqrt(12.0)))
+    settled = next(i for i, x in enumerate(levels) if x - min(levels[i:]) <= x * errors[i])
+    return max(levels[settled], quantum(y) / float(np.sqrt(12.0))), errors[settled]
+
+
+def noise_levels(
+    recordings: Sequence[Recording],
+    colours: Sequence[tuple[Colour, Colour]] | None = None,
+    policy: LevelPolicy = POLICY,
+) -> np.ndarray:
+    """Noise (r, 2) of both channels in every recording [rad]; 0 where one is missing or constant.
+
+    Recordings at one rate share the median of the fitted ones' variances, which one disturbed
+    recording does not move; a recording whose level clearly differs has its own.
+
+    Args:
+        recordings: of a campaign.
+        colours: of both channels in each; white if None.
+        policy: what counts as clearly different.
+    """
+    out = np.zeros((len(recordings), 2))
+    for group in same_rate(recordings):
+        for c, name in enumerate(("phi1", "phi2")):
+            own = {}
+            for i in group:
+                y = recordings[i].channels.get(name)
+                if y is not None and np.ptp(y) > 0.0:
+                    colour = None if colours is None else colours[i][c]
+                    own[i] = _level(recordings[i].t, y, colour)
+            fitted = [i for i in own if not recordings[i].held_out] or list(own)
+            if not fitted:
+                continue
+            common = float(np.sqrt(np.median([own[i][0] ** 2 for i in fitted])))
+            for i in group:
+                level, error = own.get(i, (common, 0.0))
+                apart = max(policy.apart, policy.errors * error)
+                differs = abs(level - common) > apart * min(level, common)
+                out[i, c] = level if differs else common
+    return out
 
 
 def noise_floor(recordings: Iterable[Recording]) -> dict[str, float]:

@@ -13,8 +13,8 @@ frequency, in bins of equal width in log f. Each bin enters with its median, so 
 drive's harmonics do not count. Below that band noise and motion cannot be separated: the colour is
 continued there by its formula, and no correlation longer than the band shows is taken.
 
-Where the sampling leaves no such band, `tp_jax.estimation.residual_noise` looks at what a model
-leaves instead.
+What a fitted model leaves says more (`tp_jax.estimation.residual_noise`): of noise below that band,
+and where the sampling leaves no such band.
 
 Source: Whittle (1953), Ark. Mat. 2, 423-434, for the likelihood of a spectrum; medians instead of
 means follow Allen et al. (2012), Phys. Rev. D 85, 122006.
@@ -25,6 +25,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from tp_jax.recordings.colour import Colour, first_order
 from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.recording import Recording
 
@@ -36,12 +37,10 @@ class ColourPolicy:
     Attributes:
         above: multiples of the motion's frequency from which on its spectrum is a power law.
         band: part of the sampling rate below which the band has to begin.
-        wide: part of the sampling rate below which it has to begin for white to be certain: of
-            slower noise a narrow band shows the same as of white noise.
+        wide: part of the sampling rate below which it has to begin for noise slower than the band
+            to be taken as fast as the band's lower end: in a narrow one it may be motion.
         bins: in which the periodogram is put. fewest: periodogram ordinates of a bin.
         samples: of a stretch, below which it says nothing of a spectrum.
-        order: of the autoregression that whitens; at 250 Hz and a correlation of ten samples beside
-            as much white noise the residual correlation is then below 0.01.
         certain: fall of twice the negative log-likelihood that makes noise coloured; two numbers
             more, at a level of about 0.001, since colour costs every test some of its power.
         steepest: largest rho; beyond, the corner lies below the band in any recording at hand.
@@ -54,92 +53,12 @@ class ColourPolicy:
     bins: int = 32
     fewest: int = 6
     samples: int = 128
-    order: int = 10
     certain: float = 14.0
     steepest: float = 0.98
     jitter: float = 0.2
 
 
 POLICY = ColourPolicy()
-
-
-@dataclasses.dataclass(frozen=True)
-class Colour:
-    """Noise of one channel at one sampling rate, up to its level.
-
-    Attributes:
-        ar: (p,) coefficients of the autoregression with the noise's autocorrelation; empty: white.
-        correlation: (p,) its autocorrelation at lags of 1 to p samples.
-        white: part of the variance that is white.
-        rho: correlation of neighbouring samples of the other part.
-        lowest: frequency [Hz] below which noise and motion could not be told apart; 0 where the
-            data alone do not say what the noise is.
-        of_residuals: whether it was found in what a model leaves, not in the data alone.
-        excess: standard deviation over that of the same noise if it were white and had the level
-            that high-order differences see.
-    """
-
-    ar: tuple[float, ...] = ()
-    correlation: tuple[float, ...] = ()
-    white: float = 1.0
-    rho: float = 0.0
-    lowest: float = 0.0
-    excess: float = 1.0
-    of_residuals: bool = False
-
-    @property
-    def slow(self) -> float:
-        """Error of a mean over many samples, over that of as many with white noise."""
-        if self.is_white:
-            return 1.0
-        return float(np.sqrt(self.white + (1.0 - self.white) * (1.0 + self.rho) / (1.0 - self.rho)))
-
-    @property
-    def is_white(self) -> bool:
-        """Whether neighbouring samples are uncorrelated."""
-        return not self.ar
-
-    def whiten(self, x: np.ndarray, axis: int = 0) -> np.ndarray:
-        """Rows that are uncorrelated and of unit variance where those of x are this noise, scaled.
-
-        Exact for an autoregression: the first p rows are decorrelated by their own covariance.
-
-        Args:
-            x: consecutive samples of a stretch along an axis, in units of the noise's standard
-                deviation.
-            axis: of the samples.
-        """
-        if self.is_white or not x.size:
-            return x
-        from scipy import signal  # a second of loading that white noise need not wait for
-
-        n = x.shape[axis]
-        taps = np.concatenate([[1.0], -np.array(self.ar)]) / np.sqrt(self.innovation)
-        # of a denominator of one number SciPy takes another way, by a loop over rows in Python
-        out = signal.lfilter(taps, [1.0, 0.0], x, axis=axis)
-        first = min(len(self.ar), n)
-        head = np.linalg.inv(_cholesky(self.correlation, first))
-        part = np.take(x, range(first), axis=axis)
-        where = [slice(None)] * x.ndim
-        where[axis] = slice(first)
-        out[tuple(where)] = np.moveaxis(np.tensordot(head, part, axes=(1, axis)), 0, axis)
-        return out
-
-    @property
-    def innovation(self) -> float:
-        """Variance of what an autoregression cannot predict, in units of the whole."""
-        return 1.0 - float(np.dot(self.ar, self.correlation))
-
-
-def _cholesky(correlation: Sequence[float], n: int) -> np.ndarray:
-    return np.linalg.cholesky(_toeplitz(correlation[: n - 1]))
-
-
-def _toeplitz(correlation: Sequence[float] | np.ndarray) -> np.ndarray:
-    """Correlation matrix of samples in a row, from that at lags of 1 and more."""
-    row = np.concatenate([[1.0], correlation])
-    at = np.arange(row.size)
-    return row[np.abs(at[:, None] - at)]
 
 
 def noise_colour(
@@ -182,7 +101,7 @@ def noise_colour(
         _fitted(f, level, weight, step, policy, with_colour) for with_colour in (0, 1)
     )
     if white.cost - coloured.cost < policy.certain:
-        return Colour(lowest=lowest if lowest < policy.wide / step else 0.0)
+        return Colour()
     _, w, a, rho = coloured.numbers
     if rho > np.exp(-2.0 * np.pi * lowest * step):
         # The corner frequency lies below the band, where the motion is: how far, nobody can say.
@@ -190,24 +109,7 @@ def noise_colour(
             return Colour()
         rho = float(np.exp(-2.0 * np.pi * lowest * step))
     slow = a / (1.0 - rho**2)
-    return first_order(rho, w / (w + slow), lowest, policy.order)
-
-
-def first_order(rho: float, white: float, lowest: float = 0.0, order: int = POLICY.order) -> Colour:
-    """White noise and that of a first-order filter together.
-
-    Args:
-        rho: correlation of neighbouring samples of the latter. white: part of the former in the
-            variance. lowest: see `Colour`. order: of the autoregression.
-    """
-    correlation = (1.0 - white) * rho ** np.arange(1, order + 1)
-    ar = np.linalg.solve(_toeplitz(correlation[:-1]), correlation)
-    # differences of high order see what is near the Nyquist frequency
-    seen = white + (1.0 - white) * (1.0 - rho) / (1.0 + rho)
-    return Colour(
-        tuple(map(float, ar)), tuple(map(float, correlation)), float(white), float(rho),
-        float(lowest), float(1.0 / np.sqrt(seen)),
-    )  # fmt: skip
+    return first_order(rho, w / (w + slow), lowest)
 
 
 def same_rate(recordings: Sequence[Recording], ratio: float = 1.1) -> list[list[int]]:

@@ -90,6 +90,56 @@ def _of_stretch(t: np.ndarray, y: np.ndarray, sigma: float, window: int, order: 
     return Smoothed(results[0] + offset[which, 0], results[1], results[2], *errors)
 
 
+class AtRest(NamedTuple):
+    """Where a body rests, each (n,): whether; its mean angle, that angle's and its rate's errors.
+
+    Errors are standard errors; the rate is that of a straight line through the window.
+    """
+
+    rests: np.ndarray
+    value: np.ndarray
+    value_error: np.ndarray
+    rate_error: np.ndarray
+
+
+RESTING = 11.3
+"""Sum of squares of slope, curvature and bend, in units of the noise, below which a body rests: 99
+per cent of what noise alone makes of the three."""
+
+
+def at_rest(t: np.ndarray, y: np.ndarray, sigma: float, window: int) -> AtRest:
+    """Whether readings around each sample show any motion at all.
+
+    A cubic is a poor guess of the rate of a body that stuck: its slope at the middle of a window is
+    five times as uncertain as a straight line's, and the window of a fit that starts there would
+    give it a push that only explains noise.
+
+    Args:
+        t: (n,) rising times [s]. y: (n,) readings. sigma: of their noise, in y's unit.
+        window: samples around each; a gap is an end, as in `local_polynomial`.
+    """
+    parts = [_rest_of_stretch(t[p], y[p], sigma, window) for p in stretches(np.asarray(t))]
+    return AtRest(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+
+def _rest_of_stretch(t: np.ndarray, y: np.ndarray, sigma: float, window: int) -> AtRest:
+    n, window = t.size, min(window, t.size)
+    if window < 5:
+        unknown = np.full(n, np.inf)
+        return AtRest(np.zeros(n, bool), y, unknown, unknown)
+    tw, yw = sliding_window_view(t, window), sliding_window_view(y, window)
+    half = 0.5 * (tw[:, -1] - tw[:, 0])
+    u = (tw - tw.mean(axis=1, keepdims=True)) / half[:, None]
+    basis = np.linalg.qr(u[:, :, None] ** np.arange(4))[0]
+    mean = yw.mean(axis=1)
+    found = np.einsum("nwp,nw->np", basis[:, :, 1:], yw - mean[:, None])
+    rests = (found**2).sum(axis=1) < RESTING * sigma**2
+    slope_error = sigma / np.sqrt((u**2).sum(axis=1)) / half
+    which = np.clip(np.arange(n) - window // 2, 0, n - window)
+    error = np.full(n, sigma / np.sqrt(window))
+    return AtRest(rests[which], mean[which], error, slope_error[which])
+
+
 def _monomials(u: np.ndarray, powers: np.ndarray, derivative: int) -> np.ndarray:
     """(n, p) derivatives of u^0 .. u^(p-1)."""
     factor = np.ones(powers.size)

@@ -62,7 +62,10 @@ def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
             error=_error(diagnosis),
         )
     if kind == "no_gap":
-        said = _HEADINGS[kind], _no_gap(diagnosis), "No effect needs to be added to the model."
+        heading = _HEADINGS[kind]
+        if not _beyond_level(diagnosis, "structure_p"):
+            heading = "The gap is below the tolerance"
+        said = heading, _no_gap(diagnosis), "No effect needs to be added to the model."
         return Verdict(*said, _unseen(diagnosis), error=_error(diagnosis))
     heading, causes = _HEADINGS[kind], reading.causes(diagnosis)
     if kind == "unknown" and causes:
@@ -160,8 +163,15 @@ def _how_far(diagnosis: Mapping[str, Any]) -> str:
 
 
 def _no_gap(diagnosis: Mapping[str, Any]) -> str:
-    p = p_value(reading.value(diagnosis, "gap", "structure_p"))
-    test = f" (test of structure: {p})" if p else ""
+    p = reading.value(diagnosis, "gap", "structure_p")
+    test = f" (test of structure: {p_value(p)})" if p is not None else ""
+    if p is not None and p < _LEVEL:  # the verdict is by the tolerance then
+        limit = reading.value(diagnosis, "gap", "tolerance")
+        size = f" of {angle(limit)}" if limit else ""
+        return (
+            f"What the fitted model leaves has structure{test}, but its error is below the "
+            f"tolerance{size}."
+        )
     return f"What the fitted model leaves of the recordings looks like noise{test}."
 
 
@@ -186,10 +196,16 @@ def _error(diagnosis: Mapping[str, Any]) -> str:
     return ""
 
 
+def _beyond_level(diagnosis: Mapping[str, Any], key: str) -> bool:
+    """Whether a test of structure finds nothing; not known counts as nothing."""
+    p = reading.value(diagnosis, "gap", key)
+    return p is None or p >= _LEVEL
+
+
 def _nothing_left(diagnosis: Mapping[str, Any]) -> bool:
     """Whether the test of structure finds nothing beside the causes."""
-    p = reading.value(diagnosis, "gap", "structure_p_after")
-    return p is not None and p >= _LEVEL
+    known = reading.value(diagnosis, "gap", "structure_p_after") is not None
+    return known and _beyond_level(diagnosis, "structure_p_after")
 
 
 def _left(diagnosis: Mapping[str, Any]) -> str:
@@ -197,7 +213,8 @@ def _left(diagnosis: Mapping[str, Any]) -> str:
     p = reading.value(diagnosis, "gap", "structure_p_after")
     if p is None or _nothing_left(diagnosis):
         return ""
-    return f"What is left still has structure ({p_value(p)}): something small is missing yet."
+    small = "small " if reading.verdict(diagnosis) == "explained" else ""
+    return f"What is left still has structure ({p_value(p)}): something {small}is missing yet."
 
 
 def sizes(cause: Mapping[str, Any]) -> list[str]:
