@@ -46,12 +46,14 @@ def test_few_are_cut_into_spans(recordings, spans):
 
 
 def test_spans_last_a_few_periods_at_least():
-    """What is too short for two spans is one, and a single short recording is no group of many."""
+    """Unless there would be too few to tell one cause from another: then a period will do."""
     short = 1.9 * POLICY.periods * PERIOD
-    assert grouped(short)[1].max() == 0
-    assert grouped(1.05 * 2.0 * POLICY.periods * PERIOD)[1].max() + 1 == 2
+    assert grouped(short)[1].max() + 1 == POLICY.fewest
+    assert grouped(short, short)[1].max() + 1 == 4  # two spans each, for three groups or more
+    assert grouped(short, short, short)[1].max() + 1 == 3
+    assert grouped(1.5 * PERIOD)[1].max() == 0  # too short for two periods
     _, group = grouped(short, 20.0)
-    assert group.max() + 1 == 1 + 3
+    assert group.max() + 1 == 2 + 3
     assert grouped(0.1, 0.1, 0.1)[1].tolist() == [0, 1, 2]
 
 

@@ -45,8 +45,18 @@ def test_one_group_cannot_decide_alone():
     assert of([np.zeros(5), np.array([60.0, -1.0, -1.0, -1.0, -1.0])])[1] < 0.95
 
 
-def test_too_few_groups_give_a_flat_answer():
-    assert of([np.zeros(2), np.full(2, 1e4), np.zeros(2)]) == pytest.approx(np.full(3, 1 / 3))
+def test_too_few_groups_leave_what_was_known_before():
+    prior = np.log([0.5, 0.25, 0.25])
+    log = np.array([np.zeros(2), np.full(2, 1e4), np.zeros(2)])
+    found = weights(Densities(log, np.zeros((3, 3, 2)), np.zeros(3), prior), POLICY)
+    assert found == pytest.approx([0.5, 0.25, 0.25])
+
+
+def test_what_tells_nothing_leaves_what_was_known_before():
+    """However much the groups scatter: the prior is not tempered with them."""
+    prior = np.log([0.5, 0.25, 0.25])
+    found = weights(Densities(np.zeros((3, 5)), np.zeros((3, 3, 5)), np.zeros(3), prior), POLICY)
+    assert found == pytest.approx([0.5, 0.25, 0.25])
 
 
 def test_one_that_was_not_refitted_is_known_no_better_than_the_others():

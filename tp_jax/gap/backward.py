@@ -51,12 +51,17 @@ def pruned(setting: Setting, result: Refit, policy: BackwardPolicy) -> Refit:
 
 @dataclasses.dataclass(frozen=True)
 class Tested:
-    """Two models that differ in one cause, on the same windows: the one kept and the other."""
+    """Two models that differ in one cause, on the same windows: the one kept and the other.
+
+    fits_better: whether the other fits clearly better, and was refused because it does not predict
+    what was left out better.
+    """
 
     kept: Refit
     other: Refit
     cause: str
     rival: str
+    fits_better: bool = False
 
 
 def replaced(
@@ -100,7 +105,7 @@ def replaced(
                     log.info("%s in the place of %s", new.effect.id, v.effect.id)
                     tested.append(Tested(trial, result, new.effect.id, v.effect.id))
                     return trial, tested
-                tested.append(Tested(result, trial, v.effect.id, new.effect.id))
+                tested.append(Tested(result, trial, v.effect.id, new.effect.id, better))
             break
     return result, tested
 

@@ -37,13 +37,16 @@ def groups(setting: Setting, fit: Fit, policy: FoldPolicy, within: bool = False)
     w = fit.problem.windows
     which = np.unique(w.recording)
     spans = max(2 if within else 1, int(np.ceil(policy.groups / which.size)))
+    needed = int(np.ceil(policy.fewest / which.size))
     out = np.zeros(w.n, dtype=int)
     count = 0
     for r in which:
         mine = np.flatnonzero(w.recording == r)
         t = setting.prepared[r].t
-        longest = (t[-1] - t[0]) / (policy.periods * setting.period)
-        n = int(np.clip(min(spans, longest), 1, mine.size))
+        periods = (t[-1] - t[0]) / setting.period
+        n = min(spans, periods / policy.periods)
+        n = max(n, min(needed, periods / policy.least_periods))
+        n = int(np.clip(n, 1, mine.size))
         part = np.minimum(np.arange(mine.size) * n // mine.size, n - 1)
         out[mine] = count + part
         count += n

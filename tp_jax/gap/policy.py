@@ -16,6 +16,8 @@ class FoldPolicy:
             contiguous spans. Five give a t distribution with four degrees of freedom.
         periods: of the motion that a span lasts at least; shorter ones resemble their neighbours.
         fewest: groups below which recordings cannot tell one cause from another.
+        least_periods: of the motion that a span lasts at least where there would be fewer groups:
+            a period of a decay is unlike the next, since it swings less.
         agreeing: groups that agreed as noise would let them, as which counts what is known of a
             dispersion before any is asked: log likelihoods are divided by the misfit already. No
             more than there are groups to agree with one another.
@@ -26,6 +28,7 @@ class FoldPolicy:
     groups: int = 5
     periods: float = 4.0
     fewest: int = 3
+    least_periods: float = 1.0
     agreeing: float = 4.0
     quantiles: int = 200
 

@@ -42,12 +42,14 @@ class Densities:
         log: (h, G) log likelihoods, up to a constant of each group.
         apart: (h, h, G) squared distances of predictions in units of the noise; NaN of those that
             were not refitted.
-        charge: (h,) what is taken off for unknowns, and for being one of many.
+        charge: (h,) what is taken off for unknowns.
+        prior: (h,) log probabilities before any group is asked, up to a constant.
     """
 
     log: np.ndarray
     apart: np.ndarray
     charge: np.ndarray
+    prior: np.ndarray | None = None
 
 
 def cause_probabilities(
@@ -61,9 +63,15 @@ def cause_probabilities(
     """
     misfit = max(choice.final.fit.chi2_dof, 1.0)
     out: dict[str, float] = {}
+    taken = 1.0  # probability of the causes that came before
     for r in choice.rounds:
-        for id, p in _of_round(r, setting, misfit, policy).items():
-            out[id] = max(out.get(id, 0.0), p)
+        found = _of_round(r, setting, misfit, policy)
+        for id, p in found.items():
+            # an effect may have stood in for a cause, or come beside it
+            out[id] = min(out.get(id, 0.0) + taken * p, 1.0)
+        if r.taken is not None:
+            out[r.taken] = found.get(r.taken, 0.0)
+            taken *= out[r.taken]
     # beside other causes an effect may look better, or worse, than it did alone
     for cause in choice.causes:
         odds = {t.rival: _odds(t, setting, policy) for t in choice.tested if t.cause == cause}
@@ -74,7 +82,13 @@ def cause_probabilities(
 
 
 def _odds(t: Tested, setting: Setting, policy: FoldPolicy) -> float:
-    """Of the model that was not kept to the one that was."""
+    """Of the model that was not kept to the one that was.
+
+    Even where that one fits better and predicts what was left out no better: fit and prediction
+    then say different things, and neither decides.
+    """
+    if t.fits_better:
+        return 1.0
     effects = (*t.kept.variants, *t.other.variants)
     group = groups(setting, t.kept.fit, policy, any(_by_recording(v) for v in effects))
     scale = max(min(t.kept.fit.chi2_dof, t.other.fit.chi2_dof), 1.0)
@@ -116,11 +130,12 @@ def weights(found: Densities, policy: FoldPolicy = POLICY.folds) -> np.ndarray:
 
     Args:
         found: what they leave of the groups.
-        policy: how few groups tell nothing, so that all weights are the same.
+        policy: how few groups tell nothing, so that all weights are what they were before.
     """
     count = found.log.shape[1]
+    prior = np.zeros(len(found.log)) if found.prior is None else found.prior
     if count < policy.fewest:
-        return np.full(len(found.log), 1.0 / len(found.log))
+        return softmax(prior)
     total = found.log.sum(axis=1) - found.charge
     best = int(total.argmax())
     behind = found.log[best] - found.log
@@ -146,7 +161,7 @@ def weights(found: Densities, policy: FoldPolicy = POLICY.folds) -> np.ndarray:
     dispersion = count_of * np.maximum(dispersion, 1.0)
     quantiles = (np.arange(policy.quantiles) + 0.5) / policy.quantiles
     power = chi2.ppf(quantiles[:, None] * chi2.cdf(dispersion, count_of), count_of) / dispersion
-    return softmax(power * (total - total[best]), axis=1).mean(axis=0)
+    return softmax(power * (total - total[best]) + prior, axis=1).mean(axis=0)
 
 
 def _of_round(r: Round, setting: Setting, misfit: float, policy: FoldPolicy) -> dict[str, float]:
@@ -178,8 +193,7 @@ def _of_round(r: Round, setting: Setting, misfit: float, policy: FoldPolicy) -> 
         fits.append(r.refits[s.id].fit if s.id in refitted else None)
         unknowns.append(len(s.variant.unknowns))
     charge = _charge(r.searched) * np.array(unknowns)
-    charge[1:] += np.log(
-        len(best)
-    )  # that there is nothing more is as likely as all effects together
-    found = weights(Densities(np.array(rows), _apart(fits, group, scale), charge), policy)
+    # that there is nothing more is as likely as all effects together
+    prior = np.where(np.arange(len(rows)) > 0, -np.log(len(best)), 0.0)
+    found = weights(Densities(np.array(rows), _apart(fits, group, scale), charge, prior), policy)
     return dict(zip(names[1:], found[1:].tolist(), strict=True))

@@ -23,7 +23,11 @@ log = logging.getLogger(__name__)
 WIDE = 3.0
 COARSE, COARSE_PART = 0.2, 1e-3
 MOST_SAMPLES = 1000  # of a window; longer ones take a program of their own for little
-ZERO1_SD = 1.0  # rad; the zero of an angle sensor may be anywhere
+#: rad; how far the zero of phi1 may be from where the column seems to rest. With a tilt and hardly
+#: a spring it turns with the tilt's two amplitudes, exactly, and a zero without end makes a
+#: constant torque of a spring that vanishes: no fit would end. So it has a bound besides.
+ZERO1_SD = 0.1
+ZERO1_MOST = 3.0  # standard deviations
 ZERO2_SD = 0.3  # rad; where the rider is put is not known, but it is read as about zero
 
 
@@ -46,20 +50,26 @@ class Refit:
 
 
 def nuisances(
-    effects: Sequence[Effect], setting: Setting, recordings: Sequence[int]
+    effects: Sequence[Effect], setting: Setting, recordings: Sequence[int], zero1: float = 0.0
 ) -> tuple[list[Unknown], list[Anchor]]:
     """Zeros of the angles, which matter only where an effect depends on an angle itself.
 
     That of phi2 is one per recording; that of phi1 is one per campaign, and where the motor stands
     or its sine is commanded it is an unknown of the baseline already.
+
+    Args:
+        effects: of a model. setting: the campaign. recordings: those that are fitted.
+        zero1: where a fit without the effects has the zero of phi1 [rad].
     """
     index, specs = setting.layout.index, setting.layout.parameters
     unknowns: list[Unknown] = []
     anchors: list[Anchor] = []
-    known = {u.name for u in setting.unknowns()}
-    if any(e.uses_phi1 for e in effects) and "zero1" not in known:
+    known = Unknown("zero1") in setting.unknowns()
+    if any(e.uses_phi1 for e in effects) or (effects and known):
+        spec = specs[index["zero1"]]
         unknowns.append(Unknown("zero1"))
-        anchors.append(Anchor(unknowns[-1], 0.0, ZERO1_SD / specs[index["zero1"]].typical))
+        centre = float(spec.to_coordinate(zero1))
+        anchors.append(Anchor(unknowns[-1], centre, ZERO1_SD / spec.slope(zero1)))
     if any(e.uses_phi2 for e in effects):
         mine = [Unknown("zero2", i) for i in recordings]
         unknowns += mine
@@ -86,7 +96,8 @@ def refit(
     """
     unknowns = list(setting.unknowns())
     values = before.values
-    extra, anchors = nuisances([v.effect for v in variants], setting, setting.fitted)
+    zero1 = _resting(before)
+    extra, anchors = nuisances([v.effect for v in variants], setting, setting.fitted, zero1)
     for v in variants:
         values = values.replace(v.settings)
         unknowns += [u for u in v.unknowns if u not in unknowns]
@@ -99,12 +110,32 @@ def refit(
     base = [a for a in setting.anchors() if a.unknown in unknowns]
     base = [a for a in base if a.unknown not in {b.unknown for b in anchors}]
     result = fit(
-        problem, values, unknowns, states, bounds=setting.bounds, anchors=[*base, *anchors],
+        problem, values, unknowns, states, bounds=setting.bounds | _of_zero(problem, anchors),
+        anchors=[*base, *anchors],
         max_iterations=max_iterations, tolerance=_coarse(before), relative=0.0,
     )  # fmt: skip
     log.info("%s: chi2/dof %.4g, %s", "+".join(v.effect.id for v in variants),
              result.chi2_dof, result.message)  # fmt: skip
     return Refit(result, tuple(variants))
+
+
+def _of_zero(problem: Problem, anchors: Sequence[Anchor]) -> dict[str, tuple[float, float]]:
+    """Bounds of the zero of phi1 [rad], where it has a prior."""
+    out = {}
+    for a in anchors:
+        if a.unknown == Unknown("zero1"):
+            spec = parameter(problem, a.unknown)
+            ends = a.centre - ZERO1_MOST * a.sd, a.centre + ZERO1_MOST * a.sd
+            out["zero1"] = tuple(float(spec.from_coordinate(x)) for x in ends)
+    return out
+
+
+def _resting(before: Fit) -> float:
+    """The zero of phi1 of a fit [rad]; where it has a prior already, that prior's centre."""
+    for a in before.anchors:
+        if a.unknown == Unknown("zero1"):
+            return float(parameter(before.problem, a.unknown).from_coordinate(a.centre))
+    return before.values.get("zero1")
 
 
 def _coarse(before: Fit) -> float:
@@ -133,7 +164,8 @@ def with_shapes(setting: Setting, result: Refit) -> tuple[list[Unknown], dict]:
 
     Of those before the last too: they were found beside less.
     """
-    unknowns, bounds = list(result.fit.unknowns), dict(setting.bounds)
+    unknowns = list(result.fit.unknowns)
+    bounds = setting.bounds | _of_zero(result.fit.problem, result.fit.anchors)
     for effect in (v.effect for v in result.variants):
         for s in (s for s in effect.shapes if s.continuous):
             name = effect.qualified(s.name)
