@@ -37,7 +37,7 @@ def pruned(setting: Setting, result: Refit, policy: BackwardPolicy) -> Refit:
         for i, v in enumerate(result.variants):
             if wald(result, v) > policy.sure * _needed(v, policy):
                 continue
-            trials[i] = _without(setting, result, v)
+            trials[i] = without(setting, result, v)
             if trials[i].fit.converged:
                 misfit = max(result.fit.chi2_dof, 1.0)
                 rises[i] = (trials[i].cost - result.cost) / misfit - _needed(v, policy)
@@ -133,7 +133,7 @@ def _needed(variant: Variant, policy: BackwardPolicy) -> float:
     return policy.deviance + policy.per_amplitude * len(variant.unknowns)
 
 
-def _without(setting: Setting, result: Refit, gone: Variant) -> Refit:
+def without(setting: Setting, result: Refit, gone: Variant) -> Refit:
     """The same fit without one cause, the others fitted again."""
     rest = [v for v in result.variants if v is not gone]
     values = result.fit.values.replace({u.name: 0.0 for u in gone.unknowns})

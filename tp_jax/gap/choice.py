@@ -13,11 +13,13 @@ from tp_jax.gap.backward import Tested, pruned, replaced
 from tp_jax.gap.confirmation import Confirmation, confirm
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.free_structure import free_structure
-from tp_jax.gap.left_out import LeftOut, groups, largest_share, left_out
+from tp_jax.gap.held_out import floor_error
+from tp_jax.gap.left_out import LeftOut, groups, largest_share, left_out, shares
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable, sharper
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
+from tp_jax.gap.verdict import combined
 
 log = logging.getLogger(__name__)
 
@@ -66,13 +68,15 @@ class Round:
 class Choice:
     """The baseline, the rounds, and where they ended; baseline and end with sharp friction.
 
-    tested: causes that were compared with others in their place, once there were several.
+    tested: causes that were compared with others in their place, once there were several. looks:
+    window lengths over which anything was looked for until then.
     """
 
     baseline: Fit
     rounds: tuple[Round, ...]
     final: Refit
     tested: tuple[Tested, ...] = ()
+    looks: int = 1
 
     @property
     def causes(self) -> tuple[str, ...]:
@@ -120,7 +124,12 @@ def choose(
             small = near and promised <= LEAST_PART * noise_only
             last = small and promised <= CLEARLY
         log.info("round %d: structure p %.4g", n + 1, structure.p)
-        if structure.p >= POLICY.structure.seen or last:
+        nothing = structure.p >= POLICY.structure.seen
+        if nothing and n == 0:
+            # A large misfit scatters the blocks too, and the test sees less for it. What the others
+            # reject is searched as well.
+            nothing = not _misfits(setting, before)
+        if nothing or last:
             rounds.append(Round(before, current.fit, seen, structure, {}, {}, None))
             break
         block = blocks_of(current.fit, setting)
@@ -154,7 +163,7 @@ def choose(
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
         taken, polished, keener = None, current, sharp
         confirmations: dict[str, Confirmation] = {}
-        without: dict[bool, LeftOut] = {}
+        without: dict[tuple, LeftOut] = {}
         while taken is None and len(confirmations) < ALTERNATIVES:
             progress(f"polishing {best}", None)
             polished = polish(setting, refits[best])
@@ -232,7 +241,7 @@ def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:
 
 
 def _confirmed(
-    setting: Setting, current: Refit, trial: Refit, without: dict[bool, LeftOut]
+    setting: Setting, current: Refit, trial: Refit, without: dict[tuple, LeftOut]
 ) -> Confirmation:
     """What recordings left out say of the effect that came last.
 
@@ -250,16 +259,25 @@ def _confirmed(
             continue
         if within and not own and largest_share(trial) < policy.concentrated:
             continue  # several recordings tell of it, and they have spoken
-        if within not in without:
-            without[within] = left_out(setting, current, group, policy)
+        alone = np.flatnonzero(shares(trial, group) > policy.concentrated).tolist()
+        key = (within, *alone)
+        if key not in without:
+            without[key] = left_out(setting, current, group, policy, alone)
         found = confirm(
-            without[within], left_out(setting, trial, group, policy), trial.fit.chi2_dof,
+            without[key], left_out(setting, trial, group, policy, alone), trial.fit.chi2_dof,
             len(new.effect.amplitudes), policy,
         )  # fmt: skip
         log.info("%s: %s", new.effect.id, found)
         if found.confirmed:
             break
     return found
+
+
+def _misfits(setting: Setting, fit: Fit) -> bool:
+    """Whether a fit leaves more than noise by the tests that ask for no effect."""
+    excess = (fit.chi2_dof - 1.0) / np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
+    p = combined(1.0, free_structure(setting, fit).p, excess)
+    return p < POLICY.structure.level
 
 
 def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:

@@ -17,27 +17,34 @@ from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.residual_noise import with_residual_noise
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap import detectability
+from tp_jax.gap.acceptance import (
+    errors,
+    free_errors,
+    is_worse,
+    least_probable,
+    tied,
+    without_doubt,
+    without_harm,
+)
 from tp_jax.gap.applicability import check_predictable, why_not
 from tp_jax.gap.calibration import Floor, floor
-from tp_jax.gap.choice import Choice, choose, tied_by_gain
+from tp_jax.gap.choice import Choice, choose
 from tp_jax.gap.experiment import propose
-from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
-from tp_jax.gap.notes import notes
+from tp_jax.gap.notes import elsewhere, notes
 from tp_jax.gap.policy import POLICY
-from tp_jax.gap.probability import cause_probabilities
-from tp_jax.gap.refit import Refit, removable, sharper
+from tp_jax.gap.refit import Refit, lengthened, removable
 from tp_jax.gap.relative import told
-from tp_jax.gap.screen import Scored
+from tp_jax.gap.screen import Scored, screen
 from tp_jax.gap.series import curves, recordings, residuals
+from tp_jax.gap.structure import structure_test
 from tp_jax.gap.verdict import Evidence, combined, verdict
 from tp_jax.recordings import Campaign, hold_out
 from tp_jax.recordings.noise import quantum
 
 SCHEMA = "tp-jax/diagnosis/1"
-MOST_TIED = 3  # effects of a group that counts as one
 
 
 @dataclasses.dataclass(frozen=True)
@@ -120,11 +127,38 @@ def _chosen(
     """
     setting, baseline = _with_noise_of(setting, baseline, baseline)
     choice = choose(setting, baseline, seed, progress)
+    if all(not r.forced for r in setting.recordings):
+        setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
     if choice.final.ids:
         better, baseline = _with_noise_of(setting, choice.final.fit, baseline)
         if better is not setting:
-            return better, choose(better, baseline, seed, progress)
+            looks = choice.looks
+            choice = choose(better, baseline, seed, progress)
+            return better, dataclasses.replace(choice, looks=looks)
     return setting, choice
+
+
+def _looked_longer(
+    setting: Setting, baseline: Fit, choice: Choice, seed: int,
+    progress: Callable[[str, float | None], None],
+) -> tuple[Setting, Fit, Choice]:  # fmt: skip
+    """Decays over longer windows, where shorter ones show no cause.
+
+    A drag that takes a hundredth of the energy in a period is hidden by the noise of a window of
+    one and a half, and plain after ten. The parameters are the better known for it, too.
+    """
+    policy = POLICY.horizon
+    for look in range(policy.looks):
+        if choice.final.ids or baseline.chi2_dof >= policy.below:
+            break
+        longer = lengthened(setting, Refit(baseline, ()), policy.factor).fit
+        if longer is baseline:
+            break
+        progress("longer windows", None)
+        setting, baseline = _with_noise_of(setting, longer, longer)
+        choice = choose(setting, baseline, seed, progress)
+        choice = dataclasses.replace(choice, looks=look + 2)
+    return setting, baseline, choice
 
 
 def _with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting, Fit]:
@@ -149,7 +183,8 @@ def _with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting
 
 def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0) -> dict[str, Any]:
     horizon = _common_horizon(setting, choice.baseline.problem.windows.horizon)
-    choice, dropped = _without_harm(setting, choice, horizon)
+    choice, dropped = without_harm(setting, choice, horizon)
+    choice, probabilities, doubts = without_doubt(setting, choice, horizon)
     baseline, final = choice.baseline, choice.final
     before = evaluate(setting, baseline.values, horizon)
     least = floor(setting, baseline, before.fit)
@@ -169,21 +204,25 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
     anything = {"before": free_structure(setting, baseline)}
     anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
     structure_p = combined(first.structure.p, anything["before"].p, excess)
+    structure_p = min(choice.looks * structure_p, 1.0)
     structure_p_after = structure_p
     if final.ids:
         left = _excess(setting, final.fit, least)
-        structure_p_after = combined(choice.structure.p, anything["after"].p, left)
-    probabilities = cause_probabilities(choice, setting)
-    start_before, free_before = _free(setting, baseline, horizon)
+        rest = choice.structure
+        if dropped or doubts.gone:  # the last round looked beside causes that are gone
+            seen = screen(final.fit, setting, skip=final.ids, states=False)
+            rest = structure_test(seen, seed)
+        structure_p_after = combined(rest.p, anything["after"].p, left)
+    start_before, free_before = free_errors(setting, baseline, horizon)
     start_after, free_after = (
-        _free(setting, final.fit, horizon) if final.ids else (start_before, free_before)
+        free_errors(setting, final.fit, horizon) if final.ids else (start_before, free_before)
     )
-    gap_before, gap_after = _gap(before, free_before), _gap(after, free_after)
-    worse = final.ids if final.ids and _is_worse(gap_before, gap_after) else ()
+    gap_before, gap_after = errors(before, free_before), errors(after, free_after)
+    worse = final.ids if final.ids and is_worse(gap_before, gap_after) else ()
     word = verdict(
         _evidence(
             setting, choice, before, after, least, structure_p, structure_p_after,
-            _with_ties(setting, choice, probabilities), total, bool(worse),
+            least_probable(setting, choice, probabilities), total, bool(worse),
             gap_before["free_run"], gap_after["free_run"],
         ), tolerance,
     )  # fmt: skip
@@ -201,8 +240,10 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
         choice = dataclasses.replace(choice, rounds=rounds, final=final)
     said = notes(
         setting, choice, final, word, structure_p_after, anything["after"], least,
-        before.complete and after.complete, worse or dropped,
+        before.complete and after.complete, worse or dropped, doubts,
     )  # fmt: skip
+    where = [] if no_gap else locate(choice, setting, seed)
+    said += elsewhere(where, final)
     labels = [r.label for r in setting.recordings]
     return {
         "schema": SCHEMA,
@@ -229,15 +270,16 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
             },
             "excess_z": excess,
             "tolerance": tolerance,
-            "rejected": [*worse, *dropped],
+            "rejected": [*worse, *dropped, *doubts.gone],
             "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
         },
-        "where": [] if no_gap else [dataclasses.asdict(s) for s in locate(choice, setting, seed)],
+        "where": [dataclasses.asdict(s) for s in where],
         "causes": _causes(
-            setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least
+            setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least,
+            doubts.unnamed,
         ),
         "candidates": _candidates(setting, choice, probabilities, shrinks),
-        "confused_with": _tied(setting, choice, no_gap),
+        "confused_with": tied(setting, choice, no_gap),
         "minimum_detectable": _detectable(choice),
         "absorbed": _absorbed(setting, baseline, final.fit) if ids else {},
         "fits": {
@@ -271,54 +313,6 @@ def _noise(setting: Setting) -> dict[str, dict[str, Any]]:
             "from": "residuals" if colour.of_residuals else "data",
         }
     return out
-
-
-def _without_harm(
-    setting: Setting, choice: Choice, horizon: float
-) -> tuple[Choice, tuple[str, ...]]:
-    """The choice without last causes that make the prediction of held-out data worse.
-
-    Worse than that of the model before they were added; the first cause is held against the
-    baseline (`_is_worse` in the report). Returns the ids that were taken out, too.
-    """
-
-    def errors(result: Refit) -> dict[str, float | None]:
-        held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
-        return _gap(held, _free(setting, result.fit, horizon)[1])
-
-    dropped: list[str] = []
-    while True:
-        added = [i for i, r in enumerate(choice.rounds) if r.taken is not None]
-        if len(added) < 2:
-            return choice, tuple(dropped)
-        r = choice.rounds[added[-1]]
-        assert r.taken is not None
-        before = Refit(r.searched, r.refits[r.taken].variants[:-1])
-        if not before.ids or not _is_worse(errors(before), errors(choice.final)):
-            return choice, tuple(dropped)
-        dropped.append(r.taken)
-        rounds = (*choice.rounds[: added[-1]], dataclasses.replace(r, taken=None))
-        choice = dataclasses.replace(choice, rounds=rounds, final=sharper(setting, before))
-
-
-def _is_worse(before: dict, after: dict) -> bool:
-    """Whether held-out recordings are predicted worse, in windows or in a free run."""
-    for how in ("windowed", "free_run"):
-        old, new = before[how], after[how]
-        if old is not None and (new is None or not new <= POLICY.verdict.worse * old):
-            return True
-    return False
-
-
-def _with_ties(setting: Setting, choice: Choice, probabilities: dict[str, float]) -> float:
-    """Probability of the least probable cause, each with those it is tied with."""
-    groups = _tied(setting, choice, False)
-    out = 1.0
-    for id in choice.causes:
-        tied = {x for g in groups if id in g for x in g} - {id}
-        shares = sorted((probabilities.get(x, 0.0) for x in tied), reverse=True)
-        out = min(out, probabilities.get(id, 0.0) + sum(shares[: MOST_TIED - 1]))
-    return min(out, 1.0)
 
 
 def _evidence(
@@ -358,30 +352,8 @@ def _excess(setting: Setting, baseline: Fit, least: Floor) -> float:
     return float((baseline.chi2_dof - 1.0 - least.misfit.sum()) / error)
 
 
-def _free(setting: Setting, fit: Fit, horizon: float):
-    """Start states and free runs of the held-out recordings."""
-    which = list(setting.held_out)
-    starts = {i: start_state(setting, fit.values, i, horizon) for i in which}
-    if not which:
-        return starts, None
-    runs = free_runs(setting, fit.values, which, np.array([starts[i] for i in which]))
-    return starts, dict(zip(which, runs, strict=True))
-
-
-def _gap(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, float | None]:
-    setting = windowed.fit.problem
-    squares = []
-    for i, y in (free or {}).items():
-        p = setting.prepared[i]
-        squares.append((((y - p.y)[:, p.channels]) ** 2).mean(axis=0).mean())
-    value = float(np.sqrt(np.mean(squares))) if squares else None
-    if value is not None and not np.isfinite(value):
-        value = None
-    return {"windowed": float(np.sqrt(windowed.mean_square())), "free_run": value}
-
-
 def _causes(
-    setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least
+    setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least, unnamed
 ) -> list[dict]:
     table = _sizes(setting, final)
     out = []
@@ -399,6 +371,8 @@ def _causes(
                 effects = [x.effect for x in fit.variants]
                 measured = evaluate(setting, fit.fit.values, horizon, effects)
                 value = shrink(setting, begun, measured, seed, least).value
+        if v.effect.id in unnamed:
+            continue
         out.append(
             {
                 "effect": v.effect.id,
@@ -474,17 +448,6 @@ def _candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrin
             }
         )  # fmt: skip
     return rows
-
-
-def _tied(setting: Setting, choice: Choice, no_gap: bool) -> list[list[str]]:
-    groups = detectability.tied_groups(choice.rounds[0].screen)
-    if not no_gap:
-        groups += tied_by_gain(choice, setting)
-    unique = []
-    for g in groups:
-        if g not in unique:
-            unique.append(g)
-    return unique
 
 
 def _detectable(choice: Choice) -> dict[str, dict | None]:

@@ -8,6 +8,7 @@ that was left out is what the others have in common.
 """
 
 import dataclasses
+from collections.abc import Collection
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from tp_jax.estimation.windows import cut
 from tp_jax.gap.crossvalidation import moves
 from tp_jax.gap.held_out import expected_elsewhere
 from tp_jax.gap.policy import ConfirmPolicy, FoldPolicy
-from tp_jax.gap.refit import Refit
+from tp_jax.gap.refit import Refit, with_shapes
 
 ZEROS = ("zero2",)
 
@@ -67,17 +68,26 @@ class LeftOut:
     unknowns: np.ndarray
 
 
-def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: ConfirmPolicy) -> LeftOut:
+def left_out(
+    setting: Setting,
+    result: Refit,
+    group: np.ndarray,
+    policy: ConfirmPolicy,
+    alone: Collection[int] = (),
+) -> LeftOut:
     """Predicts each group by the model as it would be fitted without the group.
 
     The unknowns move by one Newton step (`crossvalidation.moves`), which costs no simulation and
-    sends what the group alone tells of nowhere; the group is then simulated anew.
+    sends what the group alone tells of nowhere; the group is then simulated anew. Such a step means
+    nothing where a group holds nearly all that is known of something: without those the model is
+    fitted again.
 
     Args:
         setting: the campaign.
         result: fitted to all of it.
         group: of each window, see `groups`.
         policy: how long the long windows are.
+        alone: groups without which the model is fitted again.
     """
     whole = result.fit
     windows = whole.problem.windows
@@ -87,7 +97,11 @@ def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: Confirm
         inside = group == g
         gone = set(windows.recording[inside]) - set(windows.recording[~inside])
         seen = sorted(set(windows.recording[~inside]))
-        values = expected_elsewhere(found.values(whole, g), setting, seen, sorted(gone))
+        values = found.values(whole, g)
+        if g in alone:
+            free = [u for u in found.unknowns if u.recording not in gone]
+            values = _fitted_without(setting, result, inside, values, free)
+        values = expected_elsewhere(values, setting, seen, sorted(gone))
         free = [u for u in whole.unknowns if u.recording in gone and u.name in ZEROS]
         mine = np.flatnonzero(inside)
         there = _states_fitted(result, values, free, mine, None)
@@ -103,19 +117,43 @@ def left_out(setting: Setting, result: Refit, group: np.ndarray, policy: Confirm
     return LeftOut(np.array(short), np.array(long), np.array(unknowns))
 
 
-def largest_share(result: Refit) -> float:
-    """Part of what is known of the last cause's amplitudes that one recording tells.
+def _fitted_without(
+    setting: Setting, result: Refit, inside: np.ndarray, values: Values, free: list[Unknown]
+) -> Values:
+    """The numbers of a model that is fitted to all windows but those of a group."""
+    whole = result.fit
+    outside = np.flatnonzero(~inside)
+    _, bounds = with_shapes(setting, result)
+    found = fit(
+        of_windows(whole.problem, outside), values, free, whole.states[outside], bounds=bounds,
+        anchors=[a for a in whole.anchors if a.unknown in free], max_iterations=12, relative=1e-5,
+    )  # fmt: skip
+    return found.values if np.isfinite(found.cost) else values
+
+
+def shares(result: Refit, group: np.ndarray) -> np.ndarray:
+    """Parts (G,) of what is known of the last cause's amplitudes that each group tells.
 
     Args:
         result: with the cause.
+        group: of each window.
     """
     fit = result.fit
     mine = [fit.unknowns.index(u) for u in result.variants[-1].unknowns if u in fit.unknowns]
     H = fit.eliminated.H[:, mine][:, :, mine]
     inverse = scaled_inverse(H.sum(axis=0))
     told = np.einsum("ij,wji->w", inverse, H) / max(len(mine), 1)
-    which = fit.problem.windows.recording
-    return max(float(told[which == r].sum()) for r in np.unique(which))
+    return np.bincount(group, weights=told)
+
+
+def largest_share(result: Refit) -> float:
+    """Part of what is known of the last cause's amplitudes that one recording tells.
+
+    Args:
+        result: with the cause.
+    """
+    _, recording = np.unique(result.fit.problem.windows.recording, return_inverse=True)
+    return float(shares(result, recording).max())
 
 
 def _states_fitted(

@@ -47,7 +47,7 @@ def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
     for r in choice.rounds:
         if r.taken is None:
             continue
-        location = get_effect(r.taken).location
+        location = get_effect(_standing_for(choice, r.taken)).location
         drop = max(r.searched.cost - r.refits[r.taken].cost, 0.0)
         taken[location] = taken.get(location, 0.0) + drop
         when.setdefault(location, describe(r, location))
@@ -59,6 +59,13 @@ def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
         ranked = sorted(taken.items(), key=lambda kv: -kv[1])
         return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]
     return _without_cause(choice, setting, taken, when, seed)
+
+
+def _standing_for(choice: Choice, taken: str) -> str:
+    """The cause that stands where an effect was taken: itself, or the one that replaced it."""
+    if taken in choice.causes:
+        return taken
+    return next((t.cause for t in choice.tested if t.rival == taken), taken)
 
 
 def _without_cause(choice, setting, taken, when, seed) -> list[Share]:

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.gap.acceptance import Doubts
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import FreeStructure
+from tp_jax.gap.location import Share
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
 
@@ -20,6 +22,7 @@ def notes(
     least: Floor,
     complete: bool,
     worse: Sequence[str] = (),
+    doubts: Doubts | None = None,
 ) -> list[str]:
     """What to know beside the numbers, a sentence or two each.
 
@@ -27,6 +30,7 @@ def notes(
         setting, choice, final, word, structure_p_after, anything, least: what was found.
         complete: whether the models could be integrated through all held-out windows.
         worse: ids of causes with which the held-out recordings are predicted worse.
+        doubts: effects that were chosen and are not certain enough to be causes.
     """
     said = []
     if setting.campaign.B1 is None:
@@ -69,6 +73,13 @@ def notes(
             f"With {' and '.join(worse)} the held-out recordings are predicted worse than without: "
             "that model is not offered."
         )
+    for id in () if doubts is None else doubts.every:
+        kept = id in doubts.unnamed  # type: ignore[union-attr]
+        still = "; the model keeps it, since it predicts worse without" if kept else ""
+        said.append(
+            f"{id} would fit the recordings better, but is not likely enough or of no certain "
+            f"size: it is a candidate, not a cause{still}."
+        )
     if word == "unknown" and final.ids and structure_p_after >= POLICY.structure.level:
         said.append(
             "The fitted recordings show no structure beside what is named, but the cause is not "
@@ -81,6 +92,21 @@ def notes(
         said.append("No effect of the catalogue explains the gap.")
         said += _likeness(anything)
     return said
+
+
+def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
+    """Why the gap is said to lie where no cause is, if it is.
+
+    Args:
+        where: shares of locations, largest first. final: the model with the causes.
+    """
+    own = {v.effect.location for v in final.variants}
+    if not own or not where or where[0].location in own:
+        return []
+    return [
+        f"What is named acts in {' and '.join(sorted(own))}, but leaves part of the gap: most of the "
+        f"whole looks as if it came from {where[0].location}."
+    ]
 
 
 def _joined(numbers: Sequence[int]) -> str:

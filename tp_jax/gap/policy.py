@@ -43,8 +43,9 @@ class ConfirmPolicy:
             to one, for a catalogue of some forty effects about eighty to one.
         worse: part of what some groups gain that others may lose.
         harm: rise of the root mean square error over long windows that counts as worse.
-        concentrated: part of what is known of a cause's amplitudes that one recording tells, from
-            which halves of recordings are left out: what only one shows no other can predict.
+        concentrated: part of what is known of a cause's amplitudes that one group tells, from which
+            the models are fitted again without it, and, of a recording, from which halves of
+            recordings are left out: what only one shows no other can predict.
         long: long windows over those of the fit.
     """
 
@@ -136,10 +137,13 @@ class HorizonPolicy:
         below: chi^2/dof of a model with a cause from which windows are made longer: what is still
             missing then shows over longer times, and a wrong model has no way downhill there.
         factor: by which, after each accepted cause.
+        looks: at decays over windows so many times longer each, before nothing is said to be there:
+            what takes little energy in a period shows over many.
     """
 
     below: float = 3.0
     factor: float = 3.0
+    looks: int = 2
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,0 +1,190 @@
+"""Which of the chosen causes are offered: those that harm nothing, are probable, and have a size.
+
+A choice is made inside the fitted data. What it came to is held against the held-out recordings,
+and against its own probabilities: a cause that is less likely than not, together with those that
+it cannot be told from, or whose size may be zero, is a candidate and no cause. The model is then
+fitted without it; where that predicts the held-out recordings worse, it stays there, unnamed.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.gap import detectability
+from tp_jax.gap.backward import without
+from tp_jax.gap.choice import Choice, tied_by_gain
+from tp_jax.gap.free_run import free_runs, start_state
+from tp_jax.gap.held_out import HeldOut, evaluate
+from tp_jax.gap.policy import POLICY
+from tp_jax.gap.probability import cause_probabilities
+from tp_jax.gap.refit import Refit, polish, sharper
+
+MOST_TIED = 3  # effects of a group that counts as one
+
+
+def without_harm(
+    setting: Setting, choice: Choice, horizon: float
+) -> tuple[Choice, tuple[str, ...]]:
+    """The choice without last causes that make the prediction of held-out data worse.
+
+    Worse than that of the model before they were added; the first cause is held against the
+    baseline (`is_worse` in the report). Returns the ids that were taken out, too.
+    """
+    dropped: list[str] = []
+    while True:
+        added = [r for r in choice.rounds if r.taken is not None]
+        if len(added) < 2:
+            return choice, tuple(dropped)
+        r = added[-1]
+        assert r.taken is not None
+        before = Refit(r.searched, r.refits[r.taken].variants[:-1])
+        if not before.ids or not _predicts_worse(setting, before, choice.final, horizon):
+            return choice, tuple(dropped)
+        dropped.append(r.taken)
+        choice = _ending(choice, sharper(setting, before))
+
+
+def _predicts_worse(setting: Setting, before: Refit, after: Refit, horizon: float) -> bool:
+    """Whether held-out recordings are predicted worse by the second model."""
+
+    def errors_of(result: Refit) -> dict[str, float | None]:
+        held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
+        return errors(held, free_errors(setting, result.fit, horizon)[1])
+
+    return is_worse(errors_of(before), errors_of(after))
+
+
+@dataclasses.dataclass(frozen=True)
+class Doubts:
+    """Effects that were chosen and are not named as causes: taken out of the model, or left in it
+    since it would predict held-out recordings worse without them.
+    """
+
+    gone: tuple[str, ...] = ()
+    unnamed: tuple[str, ...] = ()
+
+    @property
+    def every(self) -> tuple[str, ...]:
+        """All of them."""
+        return (*self.gone, *self.unnamed)
+
+
+def without_doubt(
+    setting: Setting, choice: Choice, horizon: float
+) -> tuple[Choice, dict[str, float], Doubts]:
+    """The choice without causes that are not likely or whose size may be zero.
+
+    Returns:
+        The choice, the probabilities of all effects, and what was doubtful.
+    """
+    probabilities = cause_probabilities(choice, setting)
+    gone: list[str] = []
+    unnamed: list[str] = []
+    while True:
+        asked = [id for id in choice.causes if id not in unnamed]
+        odd = [id for id in asked if not _offered(setting, choice, id, probabilities)]
+        if not odd:
+            break
+        least = min(odd, key=lambda id: probabilities.get(id, 0.0))
+        result = Refit(choice.baseline, ())
+        if len(choice.causes) > 1:
+            out = next(v for v in choice.final.variants if v.effect.id == least)
+            result = sharper(setting, polish(setting, without(setting, choice.final, out)))
+            if _predicts_worse(setting, choice.final, result, horizon):
+                unnamed.append(least)
+                continue
+        gone.append(least)
+        choice = _ending(choice, result)
+    if set(choice.causes) == set(unnamed):  # nothing is left to be named
+        return _ending(choice, Refit(choice.baseline, ())), probabilities, Doubts((*gone, *unnamed))
+    return choice, probabilities, Doubts(tuple(gone), tuple(unnamed))
+
+
+def _ending(choice: Choice, final: Refit) -> Choice:
+    """A choice that ends with another model; rounds of causes not in it took nothing."""
+    rounds = tuple(
+        r if r.taken is None or r.taken in final.ids else dataclasses.replace(r, taken=None)
+        for r in choice.rounds
+    )
+    return dataclasses.replace(choice, rounds=rounds, final=final)
+
+
+def _offered(setting: Setting, choice: Choice, id: str, probabilities: dict[str, float]) -> bool:
+    likely = with_ties(setting, choice, id, probabilities) >= POLICY.verdict.offered
+    return likely and has_size(setting, choice.final, id)
+
+
+def has_size(setting: Setting, result: Refit, id: str) -> bool:
+    """Whether the interval of any amplitude of a cause leaves out zero.
+
+    An effect whose amplitudes belong to recordings has none of the campaign: then it counts.
+    """
+    effect = next(v.effect for v in result.variants if v.effect.id == id)
+    every = intervals(result.fit, setting)
+    names = [effect.qualified(a.name) for a in effect.amplitudes]
+    found = [every[n]["ci95"] for n in names if n in every]
+    return not found or any(
+        low is not None and high is not None and low * high > 0.0 for low, high in found
+    )
+
+
+def tied(setting: Setting, choice: Choice, no_gap: bool = False) -> list[list[str]]:
+    """Groups of effects that these data do not tell apart."""
+    groups = detectability.tied_groups(choice.rounds[0].screen)
+    if not no_gap:
+        groups += tied_by_gain(choice, setting)
+    unique = []
+    for g in groups:
+        if g not in unique:
+            unique.append(g)
+    return unique
+
+
+def with_ties(
+    setting: Setting, choice: Choice, id: str, probabilities: dict[str, float]
+) -> float:
+    """Probability of a cause together with those that it is tied with."""
+    others = {x for g in tied(setting, choice) if id in g for x in g} - {id}
+    shares = sorted((probabilities.get(x, 0.0) for x in others), reverse=True)
+    return min(probabilities.get(id, 0.0) + sum(shares[: MOST_TIED - 1]), 1.0)
+
+
+def least_probable(setting: Setting, choice: Choice, probabilities: dict[str, float]) -> float:
+    """Probability of the least probable cause, each with those it is tied with."""
+    every = (with_ties(setting, choice, id, probabilities) for id in choice.causes)
+    return min(every, default=1.0)
+
+
+def is_worse(before: dict, after: dict) -> bool:
+    """Whether held-out recordings are predicted worse, in windows or in a free run."""
+    for how in ("windowed", "free_run"):
+        old, new = before[how], after[how]
+        if old is not None and (new is None or not new <= POLICY.verdict.worse * old):
+            return True
+    return False
+
+
+def free_errors(setting: Setting, fit: Fit, horizon: float):
+    """Start states and free runs of the held-out recordings."""
+    which = list(setting.held_out)
+    starts = {i: start_state(setting, fit.values, i, horizon) for i in which}
+    if not which:
+        return starts, None
+    runs = free_runs(setting, fit.values, which, np.array([starts[i] for i in which]))
+    return starts, dict(zip(which, runs, strict=True))
+
+
+def errors(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, float | None]:
+    """Root mean square errors [rad] on held-out recordings, in windows and in free runs."""
+    setting = windowed.fit.problem
+    squares = []
+    for i, y in (free or {}).items():
+        p = setting.prepared[i]
+        squares.append((((y - p.y)[:, p.channels]) ** 2).mean(axis=0).mean())
+    value = float(np.sqrt(np.mean(squares))) if squares else None
+    if value is not None and not np.isfinite(value):
+        value = None
+    return {"windowed": float(np.sqrt(windowed.mean_square())), "free_run": value}
