@@ -104,8 +104,8 @@ def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
     if not own or not where or where[0].location in own:
         return []
     return [
-        f"What is named acts in {' and '.join(sorted(own))}, but leaves part of the gap: most of the "
-        f"whole looks as if it came from {where[0].location}."
+        f"What is named acts in {' and '.join(sorted(own))}, but leaves part of the gap: most of "
+        f"the whole looks as if it came from {where[0].location}."
     ]
 
 
