@@ -39,7 +39,7 @@ class Spacing:
     line: float = 0.21
     ticks: float = 0.23
     over: float = 0.17
-    between: float = 0.15
+    between: float = 0.2
     names: float = 0.48
 
 
@@ -94,13 +94,13 @@ def shortened(text: str, inches: float, *, bold: bool = False) -> str:
 
 
 def numbers(axes: Sequence["Axes"]) -> float:
-    """Width of the numbers that will stand left of these axes [inches]."""
+    """Width of the numbers left of these axes, with what keeps them apart [inches]."""
     found = []
     for one in axes:
         low, high = sorted(one.get_ylim())
         seen = [value for value in one.yaxis.get_major_locator()() if low <= value <= high]
         found += one.yaxis.get_major_formatter().format_ticks(seen)
-    return SPACING.pad + width_of(found)
+    return 2.0 * SPACING.pad + width_of(found)
 
 
 def label_left(axes: "Axes", text: str, away: float) -> None:
@@ -109,8 +109,8 @@ def label_left(axes: "Axes", text: str, away: float) -> None:
 
 
 def label_below(axes: "Axes", text: str, *, away: float = SPACING.ticks, at: float = 0.5) -> None:
-    """Writes below the axes and their numbers; `at` 0 is their left end, 0.5 their middle."""
-    axes.xaxis.label.set_horizontalalignment("center" if at else "left")
+    """Writes below the axes and their numbers; `at` 0 is their left end, 1 their right one."""
+    axes.xaxis.label.set_horizontalalignment({0.0: "left", 1.0: "right"}.get(at, "center"))
     _label(axes, axes.xaxis, text, (at, 0.0), (0.0, -away))
 
 

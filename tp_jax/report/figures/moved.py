@@ -43,13 +43,15 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     room = bars.numbers(axes, range(len(rows)), shifts, texts, style.SMALL)
     left = bars.names(axes, [name for name, _ in rows], width)
     axes.set_xscale("symlog", linthresh=_NOTABLE, linscale=_STRAIGHT)
-    axes.set_xlim(*_ends(shifts, room / (width - left)))
+    length = width - left - 2.0 * layout.SPACING.edge
+    axes.set_xlim(*_ends(shifts, room / length))
     axes.set_xticks([])
     axes.minorticks_off()
     told = "moved by, in standard errors; grey: less than two"
     if width < style.BESIDE:
         told = "moved by [standard errors]; grey: below 2"
-    layout.label_below(axes, told, away=layout.SPACING.pad)
+    at = 0.5 if layout.width_of([told]) < length else 1.0
+    layout.label_below(axes, told, away=layout.SPACING.pad, at=at)
     layout.place(figure, left=left, right=0.0, below=bars.BELOW)
     return figure
 

@@ -19,6 +19,7 @@ def over_time(
         labels: of the rows, in their order.
         above: inches that the legend takes.
     """
+    layout.place(figure, left=layout.SPACING.line, above=above)  # the height decides on the ticks
     away = layout.numbers(rows)
     for axes, label in zip(rows, labels, strict=True):
         layout.label_left(axes, label, away)

@@ -64,16 +64,17 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     grid = figure.subplots(len(rows), len(states), sharey="row", squeeze=False)
     drawn = [_row(row, states, line, width) for row, line in zip(rows, grid, strict=True)]
     tops = [image.norm.vmax for image in drawn if image is not None]
-    bar = layout.width_of([f"{top:.1f}" for top in tops]) + _BAR + 2.0 * layout.SPACING.pad
-    away = layout.numbers(grid[:, 0])
+    bar = layout.width_of([f"{top:.1f}" for top in tops]) + _BAR + 3.0 * layout.SPACING.pad
     title = layout.SPACING.line if len(states) > 1 else 0.0
+    spaces = dict(
+        right=bar + layout.SPACING.line, above=title, beside=2.0 * layout.SPACING.over,
+        between=layout.SPACING.ticks + layout.SPACING.line + layout.SPACING.between + title,
+    )  # fmt: skip
+    layout.place(figure, left=layout.SPACING.line, **spaces)  # the height decides on the ticks
+    away = layout.numbers(grid[:, 0])
     for row, line in zip(rows, grid, strict=True):
         layout.label_left(line[0], f"velocity of {reading.CHANNELS[row.channel]} [rad/s]", away)
-    layout.place(
-        figure, left=away + layout.SPACING.line, right=bar + layout.SPACING.line, above=title,
-        between=layout.SPACING.ticks + layout.SPACING.line + layout.SPACING.between + title,
-        beside=2.0 * layout.SPACING.over,
-    )  # fmt: skip
+    layout.place(figure, left=away + layout.SPACING.line, **spaces)
     for image, line in zip(drawn, grid, strict=True):
         if image is not None:
             _bar(figure, image, line[-1], bar)
@@ -97,7 +98,10 @@ def _row(row: Points, states: list[str], line: Any, width: float) -> Any:
             interpolation="none", cmap=style.SCALE, vmin=0.0, vmax=top,
             extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]),
         )  # fmt: skip
-        axes.locator_params(nbins=4 if width < style.WIDE else 6)
+        axes.locator_params(nbins=6)
+        if width < style.WIDE:  # numbers side by side take more of it than those above each other
+            axes.locator_params(axis="x", nbins=3, steps=[1, 2, 5, 10])
+            axes.tick_params(axis="x", labelsize=style.SMALL)
         layout.label_below(axes, f"{reading.CHANNELS[row.channel]} [rad]")
         if len(states) > 1:
             style.title(axes, state)
