@@ -433,7 +433,13 @@ def test_diagnose(any_campaign, capsys, monkeypatch, tmp_path):
     called: list = []
     result = {"schema": "tp-jax/diagnosis/1", "gap": {"after": float("inf")}}
     put(monkeypatch, "diagnose", answering(called, result))
-    html = SimpleNamespace(write_report=lambda given, path: Path(path).write_text(str(given)))
+    asked = []
+
+    def write_report(given, path, *, figures):
+        asked.append(figures)
+        Path(path).write_text(str(given))
+
+    html = SimpleNamespace(write_report=write_report)
     monkeypatch.setitem(sys.modules, "tp_jax.report.html", html)
     monkeypatch.chdir(tmp_path)
 
@@ -454,6 +460,9 @@ def test_diagnose(any_campaign, capsys, monkeypatch, tmp_path):
         "diagnosis.json",
         "report.html",
     ]
+
+    assert main(["diagnose", "c", "--figures", "--quiet"]) == 0
+    assert asked == [False, False, True]
 
     Path("taken").write_text("")
     assert main(["diagnose", "c", "--out", "taken"]) == 2

@@ -13,6 +13,7 @@ pytest.importorskip("matplotlib")
 from matplotlib import image
 from matplotlib.figure import Figure
 
+from tests.report.conftest import KINDS
 from tp_jax.report import figures, style, write_report
 from tp_jax.report.figures.curves import curves_of
 
@@ -110,7 +111,7 @@ def test_sparse_points_are_not_joined(made):
 
 def test_figures_are_saved_beside_the_report(made, tmp_path):
     report = tmp_path / "report.html"
-    write_report(made("explained"), report)
+    write_report(made("explained"), report, figures=True)
     folder = tmp_path / "figures"
     names = {path.name for path in folder.iterdir()}
     stems = {"first", "run-1", "residuals-1", "state-map", "where", "candidates", "moved"}
@@ -124,16 +125,61 @@ def test_figures_of_an_earlier_report_go_and_nothing_else(made, tmp_path):
     folder.mkdir()
     for name in ("run-7.png", "mine.png", "run-7.txt"):
         (folder / name).write_text("x")
-    write_report(made("no_gap"), tmp_path / "report.html")
+    write_report(made("no_gap"), tmp_path / "report.html", figures=True)
     names = {path.name for path in folder.iterdir()}
     assert "run-7.png" not in names
     assert "moved.png" not in names
     assert {"mine.png", "run-7.txt", "run-1.png"} <= names
 
 
-def test_figures_can_be_left_out(made, tmp_path):
-    write_report(made("explained"), tmp_path / "report.html", figures=False)
+def test_the_report_is_the_only_file_unless_more_is_asked_for(made, tmp_path):
+    write_report(made("explained"), tmp_path / "report.html")
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+
+
+@pytest.mark.parametrize("name", list(DRAW))
+def test_margins_are_not_left_to_matplotlib(made, name):
+    """Its layout takes longer than the drawing."""
+    assert DRAW[name](made("explained")).get_layout_engine() is None
+
+
+def long_and_large() -> dict:
+    """A diagnosis with names longer than fit, and numbers of many digits."""
+    diagnosis = KINDS["explained"]()
+    diagnosis["candidates"][0] |= {"effect": "m" * 90, "realised_shrink": -50.0}
+    diagnosis["where"][0]["location"] = "m" * 90
+    diagnosis["absorbed"] |= {
+        "m" * 90: {"in_standard_errors": 123456.0}, "b": {"in_standard_errors": -123456.0},
+    }  # fmt: skip
+    diagnosis["gap"]["before"]["free_run"] = 12345.0
+    for key in ("curves", "residuals"):
+        phi2 = diagnosis[key][0]["phi2"]
+        phi2["before"] = [1e4 * y for y in phi2["before"]]
+    return diagnosis
+
+
+@pytest.mark.parametrize("width", [style.WIDE, style.NARROW])
+@pytest.mark.parametrize("kind", ["explained", "long"])
+@pytest.mark.parametrize("name", list(DRAW))
+def test_no_text_is_cut_off_or_lies_on_another(name, kind, width):
+    figure = DRAW[name](long_and_large() if kind == "long" else KINDS[kind](), width=width)
+    figure.canvas.draw()
+    page = figure.bbox
+    for axes in figure.axes:
+        labels = [axes.xaxis.label, axes.yaxis.label]
+        for text in (*labels, *axes.texts, axes.title, *axes.get_yticklabels()):
+            box = text.get_window_extent()
+            low, high = sorted(axes.get_ylim())
+            of_tick = text in axes.get_yticklabels()
+            if text.get_text() and (not of_tick or low <= text.get_position()[1] <= high):
+                assert box.x0 >= -1.0, text.get_text()
+                assert box.x1 <= page.x1 + 1.0, text.get_text()
+                assert box.y0 >= -1.0, text.get_text()
+                assert box.y1 <= page.y1 + 1.0, text.get_text()
+        label = axes.yaxis.label.get_window_extent()
+        ticks = [text.get_window_extent() for text in axes.get_yticklabels() if text.get_text()]
+        if axes.yaxis.label.get_text() and axes.yaxis.get_label_position() == "left":
+            assert not any(label.overlaps(tick) for tick in ticks if axes.yaxis.get_visible())
 
 
 def test_gaps_in_curves_are_drawn_over(made):
@@ -144,14 +190,6 @@ def test_gaps_in_curves_are_drawn_over(made):
     phi1["after"] = [1.0]  # of another length: left out
     for name in ("free_run", "close_up"):
         style.svg(DRAW[name](diagnosis), "f", "x")
-
-
-def test_bars_keep_their_place_under_long_names_and_large_numbers(made):
-    diagnosis = made("explained")
-    diagnosis["candidates"][0] |= {"effect": "a" * 90, "realised_shrink": -50.0}
-    diagnosis["where"][0]["location"] = "b" * 90
-    for name in ("candidates", "where"):
-        style.svg(DRAW[name](diagnosis, width=style.NARROW), "f", "x")
 
 
 def test_colours_follow_the_page(made):

@@ -34,6 +34,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--out", metavar="DIR", help="gets report.html and diagnosis.json (./NAME-diagnosis)"
     )
     parser.add_argument(
+        "--figures", action="store_true",
+        help="write the report's figures to DIR/figures too, each as PNG and SVG",
+    )  # fmt: skip
+    parser.add_argument(
         "--tolerance", metavar="X", type=tolerance, default=0.0,
         help="rad rms; a gap below it matters to nobody (0)",
     )  # fmt: skip
@@ -71,7 +75,7 @@ def run(args: argparse.Namespace) -> None:
 
         progress("writing the report", None)
         with replaced(report) as part:
-            write_report(result, part)
+            write_report(result, part, figures=args.figures)
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:

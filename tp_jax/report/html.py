@@ -21,16 +21,17 @@ NO_FIGURES = (
 
 
 def write_report(
-    diagnosis: Mapping[str, Any], path: str | os.PathLike[str], *, figures: bool = True
+    diagnosis: Mapping[str, Any], path: str | os.PathLike[str], *, figures: bool = False
 ) -> None:
-    """Writes the report of a diagnosis as one HTML file, and its figures beside it.
+    """Writes the report of a diagnosis as one HTML file, which holds its figures.
 
     A file that is there is replaced at once and whole.
 
     Args:
         diagnosis: as in diagnosis.json; whatever is missing is left out.
         path: the file; its folder must exist.
-        figures: whether to write them to `figures/` in the same folder too, as PNG and SVG.
+        figures: whether to write them to `figures/` in the same folder too, as PNG and SVG. What
+            lies there stays otherwise.
 
     Raises:
         OSError: a file cannot be written.

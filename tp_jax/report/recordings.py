@@ -38,7 +38,7 @@ def draw_recordings(checked: "Checked", path: Path, kind: str = "png") -> None:
         raise InputError("There is no recording to draw.")
     told = {label: each for each in reversed(checked.findings) for label in each.recordings}
     recordings = sorted(checked.campaign.recordings, key=lambda r: r.label not in told)[:_MOST]
-    figure = style.new_figure(style.WIDE, 0.6 + _ROW * len(recordings))
+    figure = style.new_figure(style.WIDE, 0.6 + _ROW * len(recordings), fitted=True)
     axes = figure.subplots(len(recordings), 2, squeeze=False, width_ratios=(2, 1))
     for row, recording in zip(axes, recordings, strict=True):
         _draw_angles(row[0], recording)

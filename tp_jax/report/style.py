@@ -10,6 +10,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
+from tp_jax.report.layout import FONT_SIZE, SPACING
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -35,7 +37,8 @@ BESIDE, WIDE, NARROW = 5.4, 9.6, 3.7
 #: Map of sizes whose light grows evenly, for any common colour blindness.
 SCALE = "cividis"
 
-FONT_SIZE = 9.5
+SMALL = FONT_SIZE - 1.5
+"""Points, of the numbers at bars that stand close together."""
 
 _SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",  # text stays text
@@ -58,16 +61,18 @@ def available() -> bool:
     return True
 
 
-def new_figure(width: float, height: float) -> "Figure":
+def new_figure(width: float, height: float, *, fitted: bool = False) -> "Figure":
     """An empty figure of its own, no part of pyplot, on a transparent background.
 
     Args:
         width, height: in inches.
+        fitted: whether matplotlib finds the margins, which takes longer than the drawing;
+            otherwise `layout.place` sets them.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), layout="constrained" if fitted else None)
     FigureCanvasAgg(figure)
     figure.patch.set_alpha(0.0)
     return figure
@@ -116,17 +121,27 @@ def title(axes: "Axes", text: str) -> None:
     axes.set_title(text, loc="left", fontsize=FONT_SIZE + 0.5, color=INK, fontweight="bold")
 
 
-def legend(figure: "Figure", *axes: "Axes") -> None:
-    """The labels of these axes above the figure, each once; on phones in two columns."""
+def legend(figure: "Figure", *axes: "Axes") -> float:
+    """The labels of these axes above the figure, each once; on phones in two columns.
+
+    Returns:
+        The height it takes, in inches.
+    """
     columns = 4 if figure.get_figwidth() >= BESIDE else 2
     found: dict[str, Any] = {}
     for one in axes:
         handles, labels = one.get_legend_handles_labels()
         found |= dict(zip(labels, handles, strict=True))
+    looks: dict[str, Any] = dict(loc="outside upper left")
+    if figure.get_layout_engine() is None:
+        width, height = figure.get_size_inches()
+        corner = SPACING.edge / width, 1.0 - SPACING.edge / height
+        looks = dict(loc="upper left", bbox_to_anchor=corner, borderaxespad=0.0, borderpad=0.0)
     figure.legend(
-        list(found.values()), list(found), loc="outside upper left", ncols=columns, frameon=False,
-        fontsize=FONT_SIZE, labelcolor=INK, handlelength=1.6, columnspacing=1.4,
+        list(found.values()), list(found), ncols=columns, frameon=False, fontsize=FONT_SIZE,
+        labelcolor=INK, handlelength=1.6, columnspacing=1.4, **looks,
     )  # fmt: skip
+    return -(-len(found) // columns) * SPACING.line + SPACING.pad
 
 
 def save(figure: "Figure", path: Path) -> None:

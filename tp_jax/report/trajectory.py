@@ -24,7 +24,7 @@ def plot_trajectory(trajectory: "Trajectory", path: str | Path, title: str = "")
         raise InputError(
             "Drawing needs matplotlib, which is not installed: pip install 'tp-jax[plots]'."
         )
-    figure = style.new_figure(_WIDTH, _HEIGHT)
+    figure = style.new_figure(_WIDTH, _HEIGHT, fitted=True)
     angles, velocity = figure.subplots(2, 1, sharex=True)
 
     t = trajectory.t

@@ -7,6 +7,7 @@ import numpy as np
 
 from tp_jax.report import reading, style
 from tp_jax.report.figures.curves import Curve, curves_of, dense, drawable, error, largest, rms
+from tp_jax.report.figures.rows import over_time
 from tp_jax.report.formatting import angle, angle_unit
 
 if TYPE_CHECKING:
@@ -41,9 +42,8 @@ def draw(
     for curve, above, below in zip(channels, rows[::2], rows[1::2], strict=True):
         _angles(above, curve)
         _errors(below, curve, reading.value(diagnosis, "noise_floor", curve.channel))
-    rows[-1].set_xlabel("time [s]")
-    figure.align_ylabels(rows)
-    style.legend(figure, rows[0], rows[1])
+    labels = [label for curve in channels for label in _labels(curve)]
+    over_time(figure, rows, labels, style.legend(figure, rows[0], rows[1]))
     return figure
 
 
@@ -56,9 +56,7 @@ def close_up(diagnosis: Mapping[str, Any], width: float = style.BESIDE) -> "Figu
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, 1.25])
     _angles(above, curve)
     _errors(below, curve, reading.value(diagnosis, "noise_floor", curve.channel))
-    below.set_xlabel("time [s]")
-    figure.align_ylabels([above, below])
-    style.legend(figure, above, below)
+    over_time(figure, [above, below], _labels(curve), style.legend(figure, above, below))
     return figure
 
 
@@ -86,7 +84,6 @@ def worst(diagnosis: Mapping[str, Any]) -> Curve | None:
 
 def _angles(axes: "Axes", curve: Curve) -> None:
     style.dress(axes)
-    axes.set_ylabel(f"{reading.CHANNELS[curve.channel]} [rad]")
     axes.margins(x=0.0)
     joined = dense(curve)
     looks: dict[str, dict[str, Any]] = {
@@ -109,7 +106,7 @@ def _angles(axes: "Axes", curve: Curve) -> None:
 def _errors(axes: "Axes", curve: Curve, floor: float | None) -> None:
     style.dress(axes)
     before, after = error(curve, "before"), error(curve, "after")
-    unit, factor = angle_unit([largest(before, after)])
+    factor = angle_unit([largest(before, after)])[1]
     if floor is not None:
         end = _BAND * floor * factor
         axes.axhspan(-end, end, color=style.BAND, alpha=0.25, lw=0.0, label="noise (95 %)")
@@ -118,8 +115,13 @@ def _errors(axes: "Axes", curve: Curve, floor: float | None) -> None:
             axes.plot(curve.t, y * factor, color=colour, lw=1.0)
         elif y is not None:
             style.dots(axes, curve.t, y * factor, color=colour, size=1.4)
-    axes.set_ylabel(f"error [{unit}]")
     axes.margins(x=0.0)
+
+
+def _labels(curve: Curve) -> list[str]:
+    """Of the angle above and the error below."""
+    unit = angle_unit([largest(error(curve, "before"), error(curve, "after"))])[0]
+    return [f"{reading.CHANNELS[curve.channel]} [rad]", f"error [{unit}]"]
 
 
 def described(diagnosis: Mapping[str, Any], index: int = 0) -> str:

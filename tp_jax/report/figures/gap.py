@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from tp_jax.report import reading, style
+from tp_jax.report import layout, reading, style
+from tp_jax.report.figures import bars
 from tp_jax.report.formatting import angles
 
 if TYPE_CHECKING:
@@ -28,26 +29,23 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     Returns:
         None if no error is known.
     """
-    bars = shown(diagnosis)
-    if not bars:
+    rows = shown(diagnosis)
+    if not rows:
         return None
-    sizes = [size for *_, size in bars]
-    figure = style.new_figure(width, 0.9 + 0.38 * len(bars))
+    sizes = [size for *_, size in rows]
+    figure = style.new_figure(width, 0.9 + 0.38 * len(rows))
     axes = figure.subplots()
     style.dress(axes, grid=None)
     colours = {"before": style.BEFORE, "after": style.AFTER}
-    axes.barh(range(len(bars)), sizes, height=0.66, color=[colours[state] for _, state, _ in bars])
-    for y, (size, text) in enumerate(zip(sizes, angles(sizes), strict=True)):
-        axes.annotate(
-            text, (size, y), (5, 0), textcoords="offset points", va="center",
-            fontsize=style.FONT_SIZE, color=style.INK,
-        )  # fmt: skip
+    axes.barh(range(len(rows)), sizes, height=0.66, color=[colours[state] for _, state, _ in rows])
+    right = bars.numbers(axes, range(len(rows)), sizes, angles(sizes))
     floor = reading.floor(diagnosis)
     if floor is not None:
         axes.axvline(floor, color=style.INK, lw=1.0, ls=(0, (2, 2)))
-    axes.set_yticks(range(len(bars)), [f"{_KINDS[kind]}, {state}" for kind, state, _ in bars])
-    axes.invert_yaxis()
-    axes.set_xlim(0.0, 1.28 * max(*sizes, floor or 0.0, 1e-12))
+    left = bars.names(axes, [f"{_KINDS[kind]}, {state}" for kind, state, _ in rows], width)
+    axes.set_xlim(0.0, 1.02 * max(*sizes, floor or 0.0, 1e-12))
     axes.set_xticks([])
-    axes.set_xlabel("error (rms)" if floor is None else "error (rms); dashed: the noise")
+    told = "error (rms)" if floor is None else "error (rms); dashed: the noise"
+    layout.label_below(axes, told, away=layout.SPACING.pad)
+    layout.place(figure, left=left, right=right, below=bars.BELOW)
     return figure

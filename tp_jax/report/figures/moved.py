@@ -1,15 +1,18 @@
 """How far each parameter moved when the causes were added, in its own standard errors."""
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from tp_jax.report import reading, style
+from tp_jax.report import layout, reading, style
+from tp_jax.report.figures import bars
 from tp_jax.report.formatting import number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _NOTABLE = 2.0  # standard errors; the scale is straight up to here and logarithmic beyond
+_STRAIGHT = 0.5  # length of the straight part on either side, in decades of the other
 
 
 def shown(diagnosis: Mapping[str, Any]) -> list[tuple[str, float]]:
@@ -36,19 +39,28 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     axes.axvspan(-_NOTABLE, _NOTABLE, color=style.BAND, alpha=0.25, lw=0.0)
     axes.barh(range(len(rows)), shifts, height=0.62, color=style.BEFORE, lw=0.0)
     axes.axvline(0.0, color=style.INK, lw=0.8)
-    for y, shift in enumerate(shifts):
-        right = shift >= 0.0
-        axes.annotate(
-            number(shift, 2), (shift, y), (4 if right else -4, 0), textcoords="offset points",
-            ha="left" if right else "right", va="center", fontsize=style.FONT_SIZE - 1.5,
-            color=style.INK,
-        )  # fmt: skip
-    axes.set_xscale("symlog", linthresh=_NOTABLE, linscale=0.5)
-    end = 6.0 * max(*map(abs, shifts), _NOTABLE)  # room for the numbers
-    axes.set_xlim(-end if min(shifts) < 0.0 else -_NOTABLE, end if max(shifts) > 0.0 else _NOTABLE)
+    texts = [number(shift, 2) for shift in shifts]
+    room = bars.numbers(axes, range(len(rows)), shifts, texts, style.SMALL)
+    left = bars.names(axes, [name for name, _ in rows], width)
+    axes.set_xscale("symlog", linthresh=_NOTABLE, linscale=_STRAIGHT)
+    length = width - left - 2.0 * layout.SPACING.edge
+    axes.set_xlim(*_ends(shifts, room / length))
     axes.set_xticks([])
     axes.minorticks_off()
-    axes.set_yticks(range(len(rows)), [name for name, _ in rows])
-    axes.invert_yaxis()
-    axes.set_xlabel("moved by, in standard errors; grey: less than two")
+    told = "moved by, in standard errors; grey: less than two"
+    if width < style.BESIDE:
+        told = "moved by [standard errors]; grey: below 2"
+    at = 0.5 if layout.width_of([told]) < length else 1.0
+    layout.label_below(axes, told, away=layout.SPACING.pad, at=at)
+    layout.place(figure, left=left, right=0.0, below=bars.BELOW)
     return figure
+
+
+def _ends(shifts: list[float], room: float) -> tuple[float, float]:
+    """Ends of the axis; `room` is the share of its length that a number takes at a bar's end."""
+    far = math.log10(max(*map(abs, shifts), _NOTABLE) / _NOTABLE)
+    sides = min(shifts) < 0.0, max(shifts) > 0.0
+    length = 2.0 * _STRAIGHT + sum(sides) * far
+    more = min(length * room / (1.0 - min(sum(sides) * room, 0.8)), 9.0)
+    end = _NOTABLE * 10.0 ** (far + more)
+    return -end if sides[0] else -_NOTABLE, end if sides[1] else _NOTABLE

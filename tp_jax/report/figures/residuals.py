@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from tp_jax.report import reading, style
 from tp_jax.report.figures.curves import curves_of, drawable, largest, rms
+from tp_jax.report.figures.rows import over_time
 from tp_jax.report.formatting import number
 
 if TYPE_CHECKING:
@@ -39,11 +40,9 @@ def draw(
             axes.plot(curve.t, curve.after, color=style.AFTER, lw=0.9, label="after")
         end = max(1.05 * largest(curve.before, curve.after), 3.0)
         axes.set_ylim(-end, end)
-        axes.set_ylabel(f"{reading.CHANNELS[curve.channel]} [noise]")
         axes.margins(x=0.0)
-    rows[-1].set_xlabel("time [s]")
-    figure.align_ylabels(rows)
-    style.legend(figure, rows[0])
+    labels = [f"{reading.CHANNELS[curve.channel]} [noise]" for curve in channels]
+    over_time(figure, rows, labels, style.legend(figure, rows[0]))
     return figure
 
 

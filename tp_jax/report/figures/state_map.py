@@ -5,13 +5,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tp_jax.report import reading, style
+from tp_jax.report import layout, reading, style
 from tp_jax.report.figures.curves import curves_of, dense, drawable
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 CELLS = 14  # along each axis
+_BAR = 0.16  # inches: width of the scale
 _LEAST_SCALE = 3.0  # standard deviations of the noise; a model that is complete stays dark
 
 
@@ -60,30 +62,50 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
         return None
     figure = style.new_figure(width, 0.5 + (3.0 if width >= style.WIDE else 2.1) * len(rows))
     grid = figure.subplots(len(rows), len(states), sharey="row", squeeze=False)
+    drawn = [_row(row, states, line, width) for row, line in zip(rows, grid, strict=True)]
+    tops = [image.norm.vmax for image in drawn if image is not None]
+    bar = layout.width_of([f"{top:.1f}" for top in tops]) + _BAR + 3.0 * layout.SPACING.pad
+    title = layout.SPACING.line if len(states) > 1 else 0.0
+    spaces = dict(
+        right=bar + layout.SPACING.line, above=title, beside=2.0 * layout.SPACING.over,
+        between=layout.SPACING.ticks + layout.SPACING.line + layout.SPACING.between + title,
+    )  # fmt: skip
+    layout.place(figure, left=layout.SPACING.line, **spaces)  # the height decides on the ticks
+    away = layout.numbers(grid[:, 0])
     for row, line in zip(rows, grid, strict=True):
-        edges = _edges(row.angle), _edges(row.velocity)
-        maps = {s: _binned(row, s, edges) for s in states}
-        sizes = [np.nanmax(m) for m in maps.values() if m is not None and np.isfinite(m).any()]
-        top = max([_LEAST_SCALE, *sizes])
-        image = None
-        for state, axes in zip(states, line, strict=True):
-            style.dress(axes, grid=None)
-            cells = maps[state]
-            if cells is None:
-                continue
-            image = axes.imshow(
-                np.ma.masked_invalid(cells.T), origin="lower", aspect="auto",
-                interpolation="none", cmap=style.SCALE, vmin=0.0, vmax=top,
-                extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]),
-            )  # fmt: skip
-            axes.locator_params(nbins=4 if width < style.WIDE else 6)
-            axes.set_xlabel(f"{reading.CHANNELS[row.channel]} [rad]")
-            if len(states) > 1:
-                style.title(axes, state)
-        line[0].set_ylabel(f"velocity of {reading.CHANNELS[row.channel]} [rad/s]")
+        layout.label_left(line[0], f"velocity of {reading.CHANNELS[row.channel]} [rad/s]", away)
+    layout.place(figure, left=away + layout.SPACING.line, **spaces)
+    for image, line in zip(drawn, grid, strict=True):
         if image is not None:
-            _bar(figure, image, line)
+            _bar(figure, image, line[-1], bar)
     return figure
+
+
+def _row(row: Points, states: list[str], line: Any, width: float) -> Any:
+    """The maps of one channel; returns the last one's image, None where there is none."""
+    edges = _edges(row.angle), _edges(row.velocity)
+    maps = {s: _binned(row, s, edges) for s in states}
+    sizes = [np.nanmax(m) for m in maps.values() if m is not None and np.isfinite(m).any()]
+    top = max([_LEAST_SCALE, *sizes])
+    image = None
+    for state, axes in zip(states, line, strict=True):
+        style.dress(axes, grid=None)
+        cells = maps[state]
+        if cells is None:
+            continue
+        image = axes.imshow(
+            np.ma.masked_invalid(cells.T), origin="lower", aspect="auto",
+            interpolation="none", cmap=style.SCALE, vmin=0.0, vmax=top,
+            extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]),
+        )  # fmt: skip
+        axes.locator_params(nbins=6)
+        if width < style.WIDE:  # numbers side by side take more of it than those above each other
+            axes.locator_params(axis="x", nbins=3, steps=[1, 2, 5, 10])
+            axes.tick_params(axis="x", labelsize=style.SMALL)
+        layout.label_below(axes, f"{reading.CHANNELS[row.channel]} [rad]")
+        if len(states) > 1:
+            style.title(axes, state)
+    return image
 
 
 def described(diagnosis: Mapping[str, Any]) -> str:
@@ -137,8 +159,14 @@ def _binned(row: Points, state: str, edges: tuple[np.ndarray, np.ndarray]) -> np
     return np.sqrt(np.where(count > 0, total / np.maximum(count, 1), np.nan))
 
 
-def _bar(figure: "Figure", image: Any, line: Any) -> None:
-    bar = figure.colorbar(image, ax=list(line), pad=0.02, fraction=0.05)
+def _bar(figure: "Figure", image: Any, last: "Axes", away: float) -> None:
+    """The scale, right of the last map of a row; its label stands `away` inches from that."""
+    width = figure.get_figwidth()
+    place = last.get_position()
+    left = place.x1 + layout.SPACING.pad / width
+    axes = figure.add_axes((left, place.y0, _BAR / width, place.height))
+    bar = figure.colorbar(image, cax=axes)
     bar.outline.set_visible(False)
-    bar.ax.tick_params(labelsize=style.FONT_SIZE, labelcolor=style.INK, length=0.0)
-    bar.set_label("residual [noise]", size=style.FONT_SIZE, color=style.INK)
+    axes.tick_params(labelsize=style.FONT_SIZE, labelcolor=style.INK, length=0.0, pad=3.0)
+    axes.yaxis.label.set(size=style.FONT_SIZE, color=style.INK, verticalalignment="top")
+    layout.label_left(axes, "residual [noise]", layout.SPACING.pad - away)

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from tp_jax.report import reading, style, words
+from tp_jax.report import layout, reading, style, words
+from tp_jax.report.figures import bars
 from tp_jax.report.formatting import percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 8
-_LONGEST = 32
 
 
 def shown(diagnosis: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -38,18 +38,13 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     style.dress(axes, grid=None)
     colours = [style.BEFORE] + [style.BAND] * (len(places) - 1)
     axes.barh(range(len(places)), shares, height=0.62, color=colours, lw=0.0)
-    for y, share in enumerate(shares):
-        axes.annotate(
-            percent(share), (share, y), (5, 0), textcoords="offset points", va="center",
-            fontsize=style.FONT_SIZE, color=style.INK,
-        )  # fmt: skip
+    right = bars.numbers(axes, range(len(places)), shares, [percent(share) for share in shares])
     names = [reading.text(place, "location") for place in places]
     if width >= style.BESIDE:
         names = [words.location(name).removeprefix("the ") for name in names]
-    names = [name if len(name) <= _LONGEST else name[: _LONGEST - 1] + "…" for name in names]
-    axes.set_yticks(range(len(places)), names)
-    axes.invert_yaxis()
-    axes.set_xlim(0.0, 1.18 * max(max(shares), 0.05))
+    left = bars.names(axes, names, width)
+    axes.set_xlim(0.0, max(*shares, 0.05))
     axes.set_xticks([])
-    axes.set_xlabel("share of the gap", loc="left")
+    layout.label_below(axes, "share of the gap", away=layout.SPACING.pad, at=0.0)
+    layout.place(figure, left=left, right=right, below=bars.BELOW)
     return figure

@@ -23,7 +23,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
         return None
     map_ = LinearSegmentedColormap.from_list("signed", [style.BEFORE, "white", style.AFTER])
     side = 1.6 + 0.42 * len(names)
-    figure = style.new_figure(side + 0.6, side)
+    figure = style.new_figure(side + 0.6, side, fitted=True)
     axes = figure.subplots()
     style.dress(axes, grid=None)
     image = axes.imshow(matrix, cmap=map_, vmin=-1.0, vmax=1.0)

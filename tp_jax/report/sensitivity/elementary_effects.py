@@ -19,7 +19,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
         return None
     columns = channels(recordings[0])
     noise = analysis["fit"]["noise_floor"]
-    figure = style.new_figure(style.WIDE, 4.2)
+    figure = style.new_figure(style.WIDE, 4.2, fitted=True)
     grid = figure.subplots(1, len(columns), squeeze=False)[0]
     for c, axes in zip(columns, grid, strict=True):
         style.dress(axes)

@@ -19,7 +19,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     if not found:
         return None
     rows = -(-len(found) // COLUMNS)
-    figure = style.new_figure(style.WIDE, 0.4 + 2.4 * rows)
+    figure = style.new_figure(style.WIDE, 0.4 + 2.4 * rows, fitted=True)
     grid = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
     for axes, (name, p) in zip(grid, found.items(), strict=False):
         style.dress(axes)

@@ -21,7 +21,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
         return None
     names = s["parameters"]
     directions = analysis["null_directions"]
-    figure = style.new_figure(style.WIDE, max(3.6, 1.2 + 0.28 * len(names)))
+    figure = style.new_figure(style.WIDE, max(3.6, 1.2 + 0.28 * len(names)), fitted=True)
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
     style.dress(left)
     ratio = np.maximum(values / values[:, :1], LEAST)

@@ -19,7 +19,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     if not columns:
         return None
     names = list(totals[columns[0]])
-    figure = style.new_figure(style.WIDE, 1.2 + 0.36 * len(names))
+    figure = style.new_figure(style.WIDE, 1.2 + 0.36 * len(names), fitted=True)
     grid = figure.subplots(1, len(columns), sharey=True, squeeze=False)[0]
     for c, axes in zip(columns, grid, strict=True):
         style.dress(axes, grid="x")

@@ -28,7 +28,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     names = list(recordings[0][columns[0]]["ST"])
     order = sorted(names, key=lambda n: -max(_size(r[c], n) for r in recordings for c in columns))
     colour = {n: COLOURS[i] for i, n in enumerate(order[: len(COLOURS)])}
-    figure = style.new_figure(style.WIDE, 0.9 + 1.9 * len(recordings))
+    figure = style.new_figure(style.WIDE, 0.9 + 1.9 * len(recordings), fitted=True)
     grid = figure.subplots(len(recordings), len(columns), squeeze=False)
     for r, line in zip(recordings, grid, strict=True):
         t = np.array(r["t"])

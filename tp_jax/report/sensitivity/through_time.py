@@ -34,7 +34,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     top = max(float(b.max()) for b in blocks.values())
     norm = LogNorm(LEAST, max(top, 10.0 * LEAST))
     height = 1.0 + len(recordings) * (0.35 + 0.16 * len(names))
-    figure = style.new_figure(style.WIDE, height)
+    figure = style.new_figure(style.WIDE, height, fitted=True)
     grid = figure.subplots(len(recordings), len(columns), squeeze=False)
     image = None
     for i, r in enumerate(recordings):

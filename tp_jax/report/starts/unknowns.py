@@ -29,7 +29,7 @@ def unknowns(result: Identification) -> "Figure":
     shown = (best > 0.0) & (ends >= 0.0).all(axis=0) & (drawn >= 0.0).all(axis=0)
     rows = np.arange(int(shown.sum()))
 
-    figure = style.new_figure(style.BESIDE, 0.9 + 0.28 * rows.size)
+    figure = style.new_figure(style.BESIDE, 0.9 + 0.28 * rows.size, fitted=True)
     axes = figure.subplots()
     style.dress(axes, grid="x")
     for values, color, marker, size, label in (

@@ -24,7 +24,7 @@ def waterfall(result: Identification) -> "Figure":
     place = np.arange(1, ends.size + 1)
     reached = there & (above <= 1.0)
 
-    figure = style.new_figure(style.BESIDE, 3.2)
+    figure = style.new_figure(style.BESIDE, 3.2, fitted=True)
     axes = figure.subplots()
     style.dress(axes)
     axes.plot(place[there], height[there], color=style.BAND, lw=0.8, zorder=1)
