@@ -112,7 +112,7 @@ class Stored:
         about = (
             self.function.__qualname__, described, shapes, _source(), jax.__version__,
             jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
-            platform.python_version(), _processor.name(),
+            platform.python_version(), _processor.name(), jax.config.read("jax_enable_x64"),
         )  # fmt: skip
         digest = hashlib.sha256(repr(about).encode()).hexdigest()
         return folder / f"{self.function.__name__}-{digest}"

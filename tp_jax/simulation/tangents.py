@@ -23,6 +23,9 @@ from tp_jax.simulation.linear_solve import Jacobian, eliminate
 from tp_jax.simulation.step import Field, Restart, Structure, after, combine, jacobian
 from tp_jax.simulation.tableau import StageForm
 
+FEW = 2
+"""As many parameters for each direction are all differentiated by, and those asked for taken."""
+
 
 class Curvature(NamedTuple):
     """Which entries of the Jacobian depend on what.
@@ -83,7 +86,7 @@ class Linear(NamedTuple):
 
 def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> Linear:
     """Derivatives of `f(y, p)` (a tuple of (L,)), only where the structure has any."""
-    n, n_out = len(y), by_state.shape[0]
+    n, n_out, one = len(y), by_state.shape[0], y[0]
     states = [k for k in range(n) if by_state[:, k].any()]
     numbers = [k for k in range(len(p)) if by_parameter[:, k].any() and directions.size]
     every = [*y, *p]
@@ -94,11 +97,21 @@ def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> L
         rows[k] = [x if depends else None for x, depends in zip(d, by_state[:, k], strict=True)]
     if not numbers:
         return Linear(rows, [None] * n_out)
+    where, wanted = [n + k for k in numbers], by_parameter[:, numbers]
     turn = np.full(len(p), len(numbers))
     turn[numbers] = np.arange(len(numbers))
-    chosen = jnp.asarray(turn)[directions]
-    where = [n + k for k in numbers]
-    return Linear(rows, some_columns(together, every, where, chosen, by_parameter[:, numbers]))
+    if len(numbers) > FEW * directions.size:
+        chosen = jnp.asarray(turn)[directions]
+        return Linear(rows, some_columns(together, every, where, chosen, wanted))
+    slopes = columns(together, every, where)
+    found: list[Array | None] = []
+    for i, mine in enumerate(wanted):
+        values = [d[i] for d, depends in zip(slopes, mine, strict=True) if depends]
+        # row of each parameter among those that matter to this output; the last row is zero
+        row = np.append(np.where(mine, np.cumsum(mine) - 1, len(values)), len(values))[turn]
+        table = [jnp.zeros_like(one) if x is None else x for x in values] + [jnp.zeros_like(one)]
+        found.append(jnp.stack(table)[jnp.asarray(row)[directions]] if values else None)
+    return Linear(rows, found)
 
 
 def differentiate(
