@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import Jaxpr
 
-from tp_jax.simulation.columns import columns
+from tp_jax.simulation.columns import columns, some_columns
 
 
 @jax.jit
@@ -60,3 +60,21 @@ def test_under_jit():
         assert (one is None) == (other is None)
         if one is not None:
             np.testing.assert_allclose(one, other, rtol=1e-14)
+
+
+def test_chosen_columns_are_those_of_all():
+    rng = np.random.default_rng(1)
+    at = tuple(jnp.asarray(rng.normal(size=5)) for _ in range(4))
+    wanted = np.ones((4, 3), bool)
+    wanted[0, 1] = wanted[3] = False
+
+    def chosen(which):
+        return some_columns(f, at, (0, 1, 2), which, wanted)
+
+    found = jax.jit(chosen)(jnp.array([2, 1, 3, 2]))
+    assert found[3] is None
+    every = columns(f, at, (0, 1, 2))
+    for i, rows in enumerate(found[:3]):
+        for row, j in zip(rows, (2, 1, 3, 2), strict=True):
+            column = every[j][i] if j < 3 and wanted[i, j] else None
+            np.testing.assert_allclose(row, 0.0 if column is None else column, atol=1e-14)

@@ -7,7 +7,7 @@ has least (Graham, 1969, SIAM J. Appl. Math. 17, 416-429).
 """
 
 import heapq
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -38,6 +38,39 @@ def expected_steps(windows: Windows, prepared: Sequence[Prepared]) -> np.ndarray
         for r, a, b in zip(windows.recording, windows.first, last, strict=True)
     ])  # fmt: skip
     return PER_SAMPLE * windows.count + PER_REVERSAL * reversals
+
+
+class Experience:
+    """What windows were seen to take, of all problems of a campaign."""
+
+    def __init__(self) -> None:
+        self._steps: dict[tuple[int, int, int], float] = {}
+
+    def expected(self, windows: Windows, prepared: Sequence[Prepared]) -> np.ndarray:
+        """Steps (w,) that windows will take: what they took, or else from the readings alone."""
+        seen = np.array([self._steps.get(key, np.nan) for key in _keys(windows)])
+        known = np.isfinite(seen)
+        if known.all():
+            return seen
+        guess = expected_steps(windows, prepared)
+        scale = seen[known].sum() / guess[known].sum() if known.any() else 1.0
+        return np.where(known, seen, scale * guess)
+
+    def learn(self, windows: Windows, steps: np.ndarray) -> None:
+        """Takes note of the steps (w,) that windows took."""
+        self._steps.update(zip(_keys(windows), steps.tolist(), strict=True))
+
+
+def _keys(windows: Windows) -> Iterable[tuple[int, int, int]]:
+    w = windows
+    return zip(w.recording.tolist(), w.first.tolist(), w.count.tolist(), strict=True)
+
+
+def longest(places: np.ndarray, cost: np.ndarray) -> float:
+    """What the slowest lanes of all blocks take together."""
+    lanes = np.zeros((int(places[:, 0].max()) + 1, int(places[:, 1].max()) + 1))
+    np.add.at(lanes, (places[:, 0], places[:, 1]), cost)
+    return float(lanes.max(axis=1).sum())
 
 
 def place(windows: Windows, cost: np.ndarray, capacity: int, width: int) -> np.ndarray:

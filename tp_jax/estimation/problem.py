@@ -7,15 +7,16 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from tp_jax.estimation.layout import Layout, Unknown, Values
-from tp_jax.estimation.placement import SHORTEST, expected_steps, place
-from tp_jax.estimation.program import NONE, Block, Programs, linearise, remember
+from tp_jax.estimation.packing import LANES, Packed, Rows, packed, packed_pieces, rows, steps_of
+from tp_jax.estimation.placement import longest, place
+from tp_jax.estimation.program import NONE, Linearised, Programs, linearise, remember
 from tp_jax.estimation.two_threads import by_two
 from tp_jax.estimation.windows import Prepared, Windows, read_later
 from tp_jax.simulation.lanes import Tolerances
 
-LANES = 8  # lanes in a block; a lane holds several windows one after the other
 DIRECTIONS = 16  # directions in a call
 FEW = 4  # directions in a call that asks for no more
+WORTH = 0.95  # of the time, from which on windows are placed anew
 _SIZES = (1024, 2048, 4096)
 
 
@@ -176,57 +177,50 @@ class Problem:
 
     def _places(self) -> np.ndarray:
         """Where every window is put (w, 4), see `place`."""
-        cost = expected_steps(self.windows, self.prepared)
+        cost = self.programs.experience.expected(self.windows, self.prepared)
         return place(self.windows, cost, self.capacity, LANES)
 
-    def _block(self, which: np.ndarray, places: np.ndarray) -> Block:
-        n, w = self.capacity, self.windows
-        ts = np.zeros((n, LANES))
-        data = np.zeros((n, 2, LANES))
-        weight = np.zeros((n, 2, LANES))
-        start = np.zeros((n, LANES), dtype=bool)
-        begins = np.zeros((n // SHORTEST, LANES), dtype=int)
-        prior = np.zeros((n // SHORTEST, 4, LANES))
-        prior_weight = np.zeros((n // SHORTEST, 4, LANES))
-        count = np.ones(LANES, dtype=int)
-        for i, (_, lane, at, rank) in zip(which, places, strict=True):
-            p, f, c = self.prepared[w.recording[i]], w.first[i], w.count[i]
-            span = slice(at, at + c)
-            ts[span, lane] = p.t[f : f + c]
-            ts[at + c :, lane] = p.t[f + c - 1]
-            data[span, :, lane] = p.y[f : f + c]
-            weight[span, :, lane] = np.where(p.channels, 1.0 / p.sigma, 0.0)
-            start[at, lane] = True
-            begins[rank, lane] = at
-            prior[rank, :, lane], prior_weight[rank, :, lane] = p.smooth[f], 1.0 / p.smooth_sd[f]
-            count[lane] = at + c
-        pieces = self._pieces(which, places, [p.pieces for p in self.prepared])
-        return Block(ts, count, start, data, weight, begins, prior, prior_weight, pieces)  # type: ignore[arg-type]
+    def _packed(self, places: np.ndarray) -> list[Packed]:
+        found = []
+        for b in range(int(places[:, 0].max()) + 1):
+            which = np.flatnonzero(places[:, 0] == b)
+            found.append(packed(self.prepared, self.windows, which, places[which], self.capacity))
+        return found
 
-    def _pieces(
-        self, which: np.ndarray, places: np.ndarray, drives: Sequence[np.ndarray | None]
-    ) -> np.ndarray | None:
-        """Pieces of the recordings' measured drives (n - 1, 4, L) as a block has them."""
-        if not self.measured:
-            return None
-        w, pieces = self.windows, np.zeros((self.capacity - 1, 4, LANES))
-        for i, (_, lane, at, _) in zip(which, places, strict=True):
-            read, f, c = drives[w.recording[i]], w.first[i], w.count[i]
-            if read is not None:
-                pieces[at : at + c - 1, :, lane] = read[f : f + c - 1]
-        return pieces
-
-    def blocks(self) -> list[tuple[np.ndarray, np.ndarray, Block]]:
-        """Windows, their places (w, 4) and the data of all blocks; made once."""
+    def blocks(self) -> list[Packed]:
+        """Windows, their places (w, 4) and the data of all blocks; kept until they lie badly."""
         cached = self.__dict__.get("_cached_blocks")
         if cached is None:
-            places = self._places()
-            cached = []
-            for b in range(int(places[:, 0].max()) + 1):
-                which = np.flatnonzero(places[:, 0] == b)
-                cached.append((which, places[which], self._block(which, places[which])))
+            cached = self._packed(self._places())
             object.__setattr__(self, "_cached_blocks", cached)
         return cached
+
+    def _rows(self) -> list[Rows]:
+        """Samples of all blocks' windows."""
+        blocks, cached = self.blocks(), self.__dict__.get("_cached_rows")
+        if cached is None or cached[0] is not blocks:
+            found = [rows(self.windows, which, places) for which, places, _ in blocks]
+            cached = blocks, found
+            object.__setattr__(self, "_cached_rows", cached)
+        return cached[1]
+
+    def _learn(self, results: Sequence[Linearised]) -> None:
+        """Takes note of the steps that windows took, and places them anew where that pays.
+
+        Looked at after the first linearisation, the second, the fourth and so on.
+        """
+        times = self.__dict__.get("_times", 0) + 1
+        object.__setattr__(self, "_times", times)
+        if times & (times - 1):
+            return
+        blocks, steps = self.blocks(), np.zeros(self.windows.n)
+        places = np.zeros((self.windows.n, 4), dtype=int)
+        for (which, mine, _), out in zip(blocks, results, strict=True):
+            places[which], steps[which] = mine, steps_of(out, self.windows, which, mine)
+        self.programs.experience.learn(self.windows, steps)
+        new = place(self.windows, steps, self.capacity, LANES)
+        if len(blocks) > new[:, 0].max() and longest(new, steps) < WORTH * longest(places, steps):
+            object.__setattr__(self, "_cached_blocks", self._packed(new))
 
     def follow(
         self, values: Values, recordings: Sequence[int], states: np.ndarray
@@ -288,20 +282,20 @@ class Problem:
         index = [self.layout.index[s] for s in slots]
         active = self.programs.active(values.table)
         portions = self.programs.portions(index, active, self._width)
-        # neighbours are of different programs, so that two of them are compiled at once
-        jobs = [(b, d) for b in range(len(self.blocks())) for d in range(len(portions))]
         spare = self.layout.index["reaction"]
         late = self.measured and np.any(self.layout.lateness(values.table))
         drives = self._drives(values) if late else []
         past = {ids: self.own_states(values, ids) if own is None else own for _, ids in portions}
 
-        def run(job):
-            b, d = job
-            which, places, block = self.blocks()[b]
+        blocks = self.blocks()
+
+        def run(job: tuple[int, int]) -> Linearised:
+            which, places, block = blocks[job[0]]
+            part, ids = portions[job[1]]
             if late:
-                block = block._replace(pieces=self._pieces(which, places, drives))
+                pieces = packed_pieces(drives, self.windows, which, places, self.capacity)
+                block = block._replace(pieces=pieces)
             _, lane, at, _ = places.T
-            part, ids = portions[d]
             p = np.repeat(values.table[:, :1], LANES, axis=1)
             p[:, lane] = values.table[:, self.windows.recording[which]]
             x0 = np.zeros((self.capacity, self.layout.n_states(ids), LANES))
@@ -312,11 +306,14 @@ class Problem:
             out = linearise(
                 self.layout, self.tolerances, ids, p, x0, block, np.array(directions, dtype=int),
             )  # fmt: skip
-            return [np.asarray(a) for a in out]
+            return Linearised(*map(np.asarray, out))
 
-        self.blocks()
+        # neighbours are of different programs, so that two of them are compiled at once
+        jobs = [(b, d) for b in range(len(blocks)) for d in range(len(portions))]
         results = dict(zip(jobs, by_two(run, jobs), strict=True))
-        return self._assemble(results, tuple(slots), [part for part, _ in portions])
+        found = self._assemble(results, tuple(slots), [part for part, _ in portions])
+        self._learn([results[b, 0] for b in range(len(blocks))])
+        return found
 
     def _width(self, ids: frozenset[str], asked: int) -> int:
         """Directions of a call to a program that is asked for so many.
@@ -347,7 +344,10 @@ class Problem:
 
         def run(ids: frozenset[str], asked: int) -> None:
             nothing = np.zeros((0, 0), dtype=int)
-            block = self._block(nothing, nothing.reshape(0, 4))
+            where = nothing.reshape(0, 4)
+            block = packed(
+                self.prepared, self.windows, nothing.ravel(), where, self.capacity
+            ).block
             linearise(
                 self.layout, self.tolerances, ids, np.ones((len(self.layout.parameters), LANES)),
                 np.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
@@ -370,29 +370,31 @@ class Problem:
         states = np.zeros((nw, n, nc))
         complete = np.zeros(nw, dtype=bool)
         valid = np.zeros((nw, m), dtype=bool)
-        own = None if slots else np.zeros((nw, results[0, 0][-1].shape[2]))
+        own = None if slots else np.zeros((nw, results[0, 0].own.shape[2]))
+        by_sample, by_states, by_slots, seen = (
+            a[:, : 2 * n].reshape(nw, n, 2, *a.shape[2:]) for a in (r, states_jac, slots_jac, valid)
+        )
+        order = [k for part in portions for k in part]
+        begin = np.cumsum([0, *map(len, portions)])
+        where = self._rows()
         for (b, d), out in results.items():
-            res, jac, prior_r, prior_jac, y, done, _, rest = out
             which, places, block = self.blocks()[b]
-            mine = portions[d]
-            end = nc + len(mine)
-            weight = np.asarray(block.weight)
-            for i, (_, lane, at, rank) in zip(which, places, strict=True):
-                c = self.windows.count[i]
-                span = slice(at, at + c)
-                part = jac[lane, span].reshape(2 * c, -1)
-                slots_jac[i, : 2 * c, mine] = part[:, nc:end].T
-                slots_jac[i, -4:, mine] = prior_jac[lane, rank, :, nc:end].T
-                if d:
-                    continue
-                r[i, : 2 * c] = res[lane, span].reshape(-1)
-                r[i, -4:] = prior_r[lane, rank]
-                states_jac[i, : 2 * c] = part[:, :4]
-                states_jac[i, -4:] = prior_jac[lane, rank, :, :4]
-                states[i, :c], complete[i] = y[lane, span], done[lane]
-                if own is not None:
-                    own[i] = rest[lane, at + c - 1]
-                valid[i, : 2 * c] = weight[span, :, lane].reshape(-1) > 0
+            lane, sample, window, row = where[b]
+            _, lanes, at, rank = places.T
+            jac, prior = out.jac[lane, sample], out.prior_jac[lanes, rank]
+            mine, end = slice(begin[d], begin[d + 1]), nc + len(portions[d])
+            by_slots[window, row, :, mine] = jac[..., nc:end]
+            slots_jac[which, -4:, mine] = prior[..., nc:end]
+            if d:
+                continue
+            by_sample[window, row], r[which, -4:] = out.r[lane, sample], out.prior_r[lanes, rank]
+            by_states[window, row], states_jac[which, -4:] = jac[..., :nc], prior[..., :nc]
+            states[window, row], complete[which] = out.states[lane, sample], out.complete[lanes]
+            seen[window, row] = block.weight[sample, :, lane] > 0.0
+            if own is not None:
+                own[which] = out.own[lanes, at + self.windows.count[which] - 1]
+        if order != sorted(order):
+            slots_jac = slots_jac[:, :, np.argsort(order)]
         for a in (r, states_jac, slots_jac):  # what is not finite must not spoil the rest
             a[~complete] = 0.0
         raw = None

@@ -13,12 +13,13 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import export
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax._stored import Stored
 from tp_jax.estimation.layout import Layout
-from tp_jax.simulation.lanes import Integrated, Lanes, Tolerances, integrate
+from tp_jax.estimation.placement import Experience
+from tp_jax.simulation.columns import columns, some_columns
+from tp_jax.simulation.lanes import Lanes, Tolerances, integrate
 
 NONE = frozenset[str]()
 
@@ -49,8 +50,8 @@ class Linearised(NamedTuple):
     """Weighted residuals (model - data) of a block and their Jacobian.
 
     r: (L, n, 2); jac: (L, n, 2, 4 + d); prior_r: (L, W, 4); prior_jac: (L, W, 4, 4 + d);
-    states: (L, n, 4); complete: (L,); steps: (L,); own: (L, n, k) the effects' own states, by which
-    nothing is differentiated.
+    states: (L, n, 4); complete: (L,); taken: (L, n) steps until each sample; own: (L, n, k) the
+    effects' own states, by which nothing is differentiated.
     """
 
     r: Float[Array, "L n 2"]
@@ -59,12 +60,8 @@ class Linearised(NamedTuple):
     prior_jac: Float[Array, "L W 4 m"]
     states: Float[Array, "L n 4"]
     complete: Bool[Array, " L"]
-    steps: Int[Array, " L"]
+    taken: Float[Array, "L n"]
     own: Float[Array, "L n k"] | None = None
-
-
-for _kind in (Block, Linearised, Integrated):
-    export.register_namedtuple_serialization(_kind, serialized_name=f"tp_jax.{_kind.__name__}")
 
 
 class Programs:
@@ -79,6 +76,7 @@ class Programs:
 
     def __init__(self, layout: Layout):
         self.layout = layout
+        self.experience = Experience()
         self.known = [NONE, *layout.families]
         self.moving = frozenset().union(*layout.families)
         self.stateful = [f for f in layout.families if layout.n_states(f) > layout.n_states()]
@@ -223,20 +221,35 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     wide = tuple(jnp.broadcast_to(q, block.ts.shape) for q in slots)
 
     # What acts on the motion alone reaches the readings through the states only.
-    depends = set(layout.depends(layout.sensing)) & set(layout.estimable)
+    depends = sorted(set(layout.depends(layout.sensing)) & set(layout.estimable))
+    turn = np.full(len(slots), len(depends))
+    turn[depends] = np.arange(len(depends))
 
     def observed(f, t, y, q, s):
         """Values (k, m, L) and derivatives (L, m, k, 4 + d) at m samples; s: (L, m, 4, 4 + d)."""
-        value, by_state, by_slot = _derivatives(f, t, y, q, depends)
+        both = lambda *a: f(t, a[: len(y)], a[len(y) :])  # noqa: E731
+        value = both(*y, *q)
         # what is large, s and the result, stays as it lies in memory
-        jac = sum(by_state[k].T[..., None] * s[:, :, k, None, :] for k in range(4))
-        direct = jnp.take(by_slot, directions, axis=1).transpose(3, 2, 0, 1)
-        return value, jac + jnp.pad(direct, ((0, 0), (0, 0), (0, 0), (len(y), 0)))
+        jac = []
+        by_state = columns(both, [*y, *q], range(4))
+        for i in range(len(value)):
+            terms = [(by[i], s[:, :, k]) for k, by in enumerate(by_state) if by[i] is not None]
+            jac.append(sum(by.T[..., None] * x for by, x in terms))
+        if directions.size:
+            places = [len(y) + k for k in depends]
+            wanted = np.ones((len(value), len(depends)), bool)
+            chosen = jnp.asarray(turn)[directions]
+            direct = some_columns(both, [*y, *q], places, chosen, wanted)
+            pad = ((0, 0), (0, 0), (len(y), 0))
+            jac = [
+                x + jnp.pad(by.transpose(2, 1, 0), pad) for x, by in zip(jac, direct, strict=True)
+            ]
+        return jnp.stack(value), jnp.stack(jac, axis=2)
 
     @jax.jit
     def readings(t, y, q):
         model = layout.model(q[: len(slots)], *at_piece(q), layout.sensing)
-        return jnp.stack(model.readings(t, y))
+        return tuple(model.readings(t, y))
 
     # The prior takes their rates too. What an effect of the motion does is in the states; the
     # accelerations, of which a sensor's delay takes the square of the delay, are those of the
@@ -244,10 +257,10 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     @jax.jit
     def and_rates(t, y, q):
         model = layout.model(q[: len(slots)], *at_piece(q), layout.sensing)
-        f = lambda t, y: jnp.stack(model.readings(t, y))  # noqa: E731
+        f = lambda t, y: tuple(model.readings(t, y))  # noqa: E731
         rates = model.derivative(t, y)
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
-        return jnp.concatenate([h, dh])
+        return *h, *dh
 
     def at_piece(q):
         """The piece of a measured drive, which comes after the slots."""
@@ -274,25 +287,8 @@ def _observe(layout, p, block, directions, run) -> Linearised:
         prior_jac=prior_jac * prior_weight.T[..., None],
         states=run.y,
         complete=run.complete & jnp.all(jnp.isfinite(r), axis=(0, 1)),
-        steps=run.steps,
+        taken=run.taken,
     )
-
-
-def _derivatives(f, t, y, q, depends):
-    """Value, derivatives by component and by slot of `f(t, y, q)`, one tangent at a time."""
-    one = jnp.ones_like(t)
-    value = f(t, y, q)
-    by_state = [
-        jax.jvp(lambda x, k=k: f(t, (*y[:k], x, *y[k + 1 :]), q), (y[k],), (one,))[1]
-        for k in range(4)
-    ]
-    by_slot = [
-        jax.jvp(lambda x, k=k: f(t, y, (*q[:k], x, *q[k + 1 :])), (q[k],), (one,))[1]
-        if k in depends
-        else jnp.zeros_like(value)
-        for k in range(len(q))
-    ]
-    return value, by_state, jnp.stack(by_slot, axis=1)
 
 
 @functools.partial(Stored, static=2, describe=_described)

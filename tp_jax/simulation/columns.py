@@ -1,4 +1,4 @@
-"""A Jacobian by columns, each without what is zero in it.
+"""A Jacobian by columns, each without what is zero in it, and some of them chosen by data.
 
 One linearisation serves all columns; along each of them zeros are known to be zeros, so that a
 column costs what it holds. (A forward derivative for every column evaluates the function itself
@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.extend.core import Literal
-from jaxtyping import Array
+from jaxtyping import Array, Bool, Int
 
 _ADDS = {"add_any", "add", "sub"}
 
@@ -43,6 +44,71 @@ def columns(
     """
     if not which:
         return []
+    program, constants, one = _linearised(f, arguments, which)
+    found = []
+    for j in range(len(which)):
+        tangents: list[Array | None] = [None] * len(which)
+        tangents[j] = one
+        found.append(_along(program, constants, tangents))
+    return found
+
+
+def some_columns(
+    f: Callable[..., tuple],
+    arguments: Sequence[Array],
+    which: Sequence[int],
+    chosen: Int[Array, " d"],
+    wanted: Bool[np.ndarray, "k w"],
+) -> list[Array | None]:
+    """Derivatives of all results of `f(*arguments)` by those arguments that are chosen.
+
+    Of fifty effects' numbers sixteen are asked for, and which is data: were all columns evaluated
+    and some taken, most would be for nothing, and each would evaluate anew what they share. So the
+    program goes through the chosen ones, and what they share is there before.
+
+    Args:
+        f, arguments: as for `columns`.
+        which: places of the arguments that may be chosen.
+        chosen: places in `which`; beyond its end for zeros.
+        wanted: by result and place in `which`; others count as zero.
+
+    Returns:
+        For each result (d, ...), None where nothing of it is wanted.
+    """
+    results = np.flatnonzero(wanted.any(axis=1)).tolist()
+    out: list[Array | None] = [None] * len(wanted)
+    if not results:
+        return out
+    program, constants, one = _linearised(f, arguments, which)
+    zero = jnp.zeros_like(one)
+
+    def branch(j: int) -> Callable[[list], tuple]:
+        def column(constants: list) -> tuple:
+            tangents: list[Array | None] = [None] * len(which)
+            tangents[j] = jnp.ones_like(one)
+            found = _along(program, constants, tangents)
+            return tuple(
+                zero if found[i] is None or not wanted[i, j] else found[i] for i in results
+            )
+
+        return column
+
+    branches = [branch(j) for j in range(len(which))]
+    branches.append(lambda _: (zero,) * len(results))
+
+    def one_more(i: Array, tables: tuple) -> tuple:
+        column = jax.lax.switch(chosen[i], branches, constants)
+        return tuple(table.at[i].set(x) for table, x in zip(tables, column, strict=True))
+
+    empty = jnp.zeros((chosen.size, *one.shape))
+    tables = jax.lax.fori_loop(0, chosen.size, one_more, (empty,) * len(results))
+    for i, table in zip(results, tables, strict=True):
+        out[i] = table
+    return out
+
+
+def _linearised(f, arguments: Sequence[Array], which: Sequence[int]):
+    """A linear program from changes of some arguments to those of the results, its constants, 1."""
 
     def of(*some):
         every = list(arguments)
@@ -53,13 +119,7 @@ def columns(
     at = [arguments[k] for k in which]
     _, forward = jax.linearize(of, *at)
     program = jax.make_jaxpr(forward)(*at)
-    one = jnp.ones_like(at[0])
-    found = []
-    for j in range(len(which)):
-        tangents: list[Array | None] = [None] * len(which)
-        tangents[j] = one
-        found.append(_along(program.jaxpr, program.consts, tangents))
-    return found
+    return program.jaxpr, program.consts, jnp.ones_like(at[0])
 
 
 def _along(program, constants, tangents: Sequence[Array | None]) -> list[Array | None]:

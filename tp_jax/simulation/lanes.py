@@ -57,13 +57,14 @@ class Integrated(NamedTuple):
 
     y: (L, n, c) components; s: (L, n, 4, c + d) derivatives of angles and velocities with respect
     to the components at the window's start and the chosen directions; steps: (L,) attempted;
-    complete: (L,) False where the lane was given up.
+    complete: (L,) False where the lane was given up; taken: (L, n) steps until each sample.
     """
 
     y: Float[Array, "L n c"]
     s: Float[Array, "L n 4 m"]
     steps: Int[Array, " L"]
     complete: Bool[Array, " L"]
+    taken: Float[Array, "L n"]
 
 
 class _State(NamedTuple):
@@ -186,6 +187,7 @@ def integrate(
             values = [*rows[r], *own]
             if r == 0:
                 values = [jnp.where(fresh, a, b) for a, b in zip(beginning, values, strict=True)]
+            values.append(1.0 * state.steps)
             found.append(
                 values + [jnp.where(fresh, a, b) for a, b in zip(begun, tangents[r], strict=False)]
             )
@@ -228,12 +230,12 @@ def integrate(
                 places = put(places, place[r], i, r)
             return i + 1, state, rows, places
 
-        rows = [jnp.zeros((PASSES, per_step, width))] * nc
+        rows = [jnp.zeros((PASSES, per_step, width))] * (nc + 1)
         rows += [jnp.zeros((PASSES, per_step, nd, width))] * 4
         places = jnp.full((PASSES, per_step, width), n)
         _, state, rows, places = jax.lax.while_loop(go_on, one, (0, state, rows, places))
-        tangents = jnp.stack([r.transpose(0, 1, 3, 2) for r in rows[nc:]], axis=-2)
-        return state, jnp.stack(rows[:nc], axis=-1), tangents, places
+        tangents = jnp.stack([r.transpose(0, 1, 3, 2) for r in rows[nc + 1 :]], axis=-2)
+        return state, jnp.stack(rows[: nc + 1], axis=-1), tangents, places
 
     def outer(carry):
         state, y, s = carry
@@ -250,6 +252,7 @@ def integrate(
         lanes.ts[0], jnp.zeros(width, int), zero + first, jnp.zeros(width, int), list(y0),
         [zero] * nc, none, none,
     )  # fmt: skip
-    carry = (state, jnp.zeros((width, n + 1, nc)), jnp.zeros((width, n + 1, 4, nd)))
+    carry = (state, jnp.zeros((width, n + 1, nc + 1)), jnp.zeros((width, n + 1, 4, nd)))
     state, y, s = jax.lax.while_loop(lambda c: jnp.any(c[0].k < lanes.count), outer, carry)
-    return Integrated(y[:, :n], s[:, :n], state.steps, state.k == lanes.count)
+    complete = state.k == lanes.count
+    return Integrated(y[:, :n, :nc], s[:, :n], state.steps, complete, y[:, :n, nc])

@@ -17,11 +17,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
-from tp_jax.simulation.columns import columns
+from tp_jax.simulation.columns import columns, some_columns
 from tp_jax.simulation.dependence import dependence
 from tp_jax.simulation.linear_solve import Jacobian, eliminate
 from tp_jax.simulation.step import Field, Restart, Structure, after, combine, jacobian
 from tp_jax.simulation.tableau import StageForm
+
+FEW = 2
+"""As many parameters for each direction are all differentiated by, and those asked for taken."""
 
 
 class Curvature(NamedTuple):
@@ -83,30 +86,32 @@ class Linear(NamedTuple):
 
 def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> Linear:
     """Derivatives of `f(y, p)` (a tuple of (L,)), only where the structure has any."""
-    one = jnp.ones_like(y[0])
-    n, n_out = len(y), by_state.shape[0]
+    n, n_out, one = len(y), by_state.shape[0], y[0]
     states = [k for k in range(n) if by_state[:, k].any()]
     numbers = [k for k in range(len(p)) if by_parameter[:, k].any() and directions.size]
-    slopes = columns(
-        lambda *both: f(both[:n], both[n:]), [*y, *p], [*states, *(n + k for k in numbers)]
-    )
+    every = [*y, *p]
+    together = lambda *both: f(both[:n], both[n:])  # noqa: E731
+    slopes = columns(together, every, states)
     rows: list[list[Array | None]] = [[None] * n_out for _ in range(n)]
-    for k, d in zip(states, slopes, strict=False):
+    for k, d in zip(states, slopes, strict=True):
         rows[k] = [x if depends else None for x, depends in zip(d, by_state[:, k], strict=True)]
-    if not directions.size:
+    if not numbers:
         return Linear(rows, [None] * n_out)
-    found: list[list[Array]] = [[] for _ in range(n_out)]
-    for k, d in zip(numbers, slopes[len(states) :], strict=True):
-        for i in range(n_out):
-            if by_parameter[i, k]:
-                found[i].append(jnp.zeros_like(one) if d[i] is None else d[i])
-    by_direction: list[Array | None] = []
-    for i, values in enumerate(found):
+    where, wanted = [n + k for k in numbers], by_parameter[:, numbers]
+    turn = np.full(len(p), len(numbers))
+    turn[numbers] = np.arange(len(numbers))
+    if len(numbers) > FEW * directions.size:
+        chosen = jnp.asarray(turn)[directions]
+        return Linear(rows, some_columns(together, every, where, chosen, wanted))
+    slopes = columns(together, every, where)
+    found: list[Array | None] = []
+    for i, mine in enumerate(wanted):
+        values = [d[i] for d, depends in zip(slopes, mine, strict=True) if depends]
         # row of each parameter among those that matter to this output; the last row is zero
-        row = np.where(by_parameter[i], np.cumsum(by_parameter[i]) - 1, len(values))
-        table = jnp.stack([*values, jnp.zeros_like(one)])
-        by_direction.append(table[jnp.asarray(row)[directions]] if values else None)
-    return Linear(rows, by_direction)
+        row = np.append(np.where(mine, np.cumsum(mine) - 1, len(values)), len(values))[turn]
+        table = [jnp.zeros_like(one) if x is None else x for x in values] + [jnp.zeros_like(one)]
+        found.append(jnp.stack(table)[jnp.asarray(row)[directions]] if values else None)
+    return Linear(rows, found)
 
 
 def differentiate(
