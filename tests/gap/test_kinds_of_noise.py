@@ -1,0 +1,55 @@
+"""Whatever the noise is like, a rig with nothing hidden raises no alarm, and its size is known."""
+
+import numpy as np
+import pytest
+
+from tests import noisy
+from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.sharpen import sharpened
+from tp_jax.gap.choice import _misfits
+from tp_jax.gap.diagnosis import _with_noise_of
+from tp_jax.gap.held_out import squares
+from tp_jax.gap.policy import POLICY
+from tp_jax.gap.screen import screen
+from tp_jax.gap.structure import structure_test
+
+RATE, FAST = (250.0,) * 4, (250.0, 2000.0, 250.0, 2000.0)
+
+
+def looked_at(noise, seed, rates):
+    """A campaign with its noise, and its baseline, as a diagnosis begins."""
+    setting = prepare_campaign(noisy.campaign(noise, seed, rates))
+    fit = grow(setting, initial_values(setting), setting.unknowns())
+    setting, fit = _with_noise_of(setting, fit, fit)
+    return setting, sharpened(setting, fit)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("noise", "seed", "rates", "levels"),
+    [
+        # a tenth of a second is slow against 250 Hz and lies below every band without motion
+        (noisy.slow, 1, RATE, (1e-3,) * 4),
+        # an error of .3 mrad, and a converter's of .44
+        (noisy.coarse, 1, (100.0,) * 4, (5.35e-4,) * 4),
+        (noisy.anticorrelated, 1, RATE, (1e-3,) * 4),
+        # means over blocks of four: the motion needs no more
+        (noisy.white, 1, FAST, (1e-3, 0.5e-3, 1e-3, 0.5e-3)),
+        (noisy.louder, 1, RATE, (2e-3, 2e-3, 1e-3, 1e-3)),
+    ],
+    ids=["slow", "coarse", "anticorrelated", "two rates", "two levels"],
+)
+def test_nothing_hidden_is_nothing_found(noise, seed, rates, levels):
+    setting, fit = looked_at(noise, seed, rates)
+    assert structure_test(screen(fit, setting), seed=0).p >= POLICY.structure.seen
+    assert not _misfits(setting, fit)
+    tolerance = 0.15 if noise is noisy.coarse else 0.1
+    found = np.array(setting.levels)
+    blocks = np.sqrt(np.array(setting.blocks, dtype=float))[:, None]
+    expected = np.array(levels)[:, None] if noise is not noisy.white else 1e-3 / blocks
+    np.testing.assert_allclose(found, np.broadcast_to(expected, (4, 2)), rtol=tolerance)
+    # what the right model leaves of held-out data is the noise, however correlated it is
+    left = squares(fit)
+    noise2 = np.average(setting.levels**2, axis=0, weights=[p.t.size for p in setting.prepared])
+    chance = left.chance(np.sqrt(noise2))
+    assert left.mean_square() / noise2.mean() == pytest.approx(1.0, abs=0.02 + 3.0 * chance)
