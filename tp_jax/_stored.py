@@ -172,11 +172,14 @@ def _kept(file: Path) -> stages.Compiled | None:
 
 def _keep(file: Path, ready: stages.Compiled) -> None:
     try:
-        program = zlib.compress(pickle.dumps(serialize_executable.serialize(ready)), 1)
-        with replaced(file) as part:  # whole for whoever else reads or writes it
-            part.write_bytes(HEAD + hashlib.sha256(program).digest() + program)
+        _write(file, zlib.compress(pickle.dumps(serialize_executable.serialize(ready)), 1))
     except Exception as fault:  # a full disk, or a part of the program that has no form in a file
         log.info("%s is not kept: %s", file.name, fault)
+
+
+def _write(file: Path, program: bytes) -> None:
+    with replaced(file) as part:  # whole for whoever else reads or writes it
+        part.write_bytes(HEAD + hashlib.sha256(program).digest() + program)
 
 
 @functools.cache
