@@ -122,7 +122,7 @@ def enable_compilation_cache() -> bool:
 
 
 def programs_folder() -> Path | None:
-    """Where compiled programs are kept (`_stored`): beside JAX's cache, where that is ours."""
+    """Where traced programs are kept (`_stored`): beside JAX's cache, where that is ours."""
     import jax
 
     try:

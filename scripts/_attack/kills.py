@@ -91,12 +91,16 @@ def _program(folder: Path, chance: random.Random) -> None:
     """Two that write the same program at once are killed: it is whole or not there."""
     from tp_jax import _stored
 
+    class Program:
+        def serialize(self) -> bytes:
+            return b"x" * 300_000
+
     file = folder / "program"
 
     def keep(say: Callable[[int], None]) -> None:
         os.fork()
         for n in range(1, 10**6):
-            _stored._write(file, b"x" * 300_000)
+            _stored._keep(file, Program())  # type: ignore[arg-type]
             say(n)
 
     killed(keep, chance.uniform(0.0, LONGEST_LIFE))
