@@ -1,4 +1,4 @@
-"""Compiled programs kept between runs: found again, never the wrong one; a bad file is no harm."""
+"""Traced programs kept between runs: found again, never the wrong one, no harm from a bad file."""
 
 import os
 import threading
@@ -8,6 +8,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import pytest
+from jax import export
 
 from tp_jax import _stored
 from tp_jax._stored import Stored
@@ -16,6 +17,9 @@ from tp_jax._stored import Stored
 class Pair(NamedTuple):
     a: jax.Array
     b: jax.Array | None
+
+
+export.register_namedtuple_serialization(Pair, serialized_name="tests.Pair")
 
 
 @pytest.fixture

@@ -1,12 +1,11 @@
-"""Functions whose compiled programs are kept between runs.
+"""Functions whose traced programs are kept between runs.
 
 JAX's persistent cache saves XLA's work and none of Python's: a program of a hundred effects is
-still traced and lowered anew in every process, and once more put into words to be found there. So
-what is compiled is kept beside that cache (`_config.programs_folder`), under a name made of all
-that it depends on: the package's source, the versions of JAX and Python, the processor, the
-arguments' shapes and a description of the static ones. JAX's own cache still has it too, for the
-next version of the source, most of whose programs are the same. A program from elsewhere is as
-dangerous as one there; both lie in the user's cache folder, to which nobody else may write.
+still traced and lowered anew in every process, which takes longer than to load what was compiled
+of it. So what is lowered is kept beside that cache (`_config.programs_folder`), under a name made
+of all that it depends on: the package's source, the versions of JAX and Python, the processor, the
+arguments' shapes and a description of the static ones. A program from elsewhere is as dangerous as
+one in JAX's own cache; both lie in the user's cache folder, to which nobody else may write.
 """
 
 import contextlib
@@ -14,19 +13,16 @@ import functools
 import hashlib
 import logging
 import os
-import pickle
 import platform
 import threading
 import time
-import zlib
 from collections.abc import Callable, Hashable, Iterator
 from pathlib import Path
 from typing import Any
 
 import jax
 import jaxlib
-from jax import stages
-from jax.experimental import serialize_executable
+from jax import export
 
 from tp_jax import _processor
 from tp_jax._compiler import compiler_options
@@ -44,7 +40,7 @@ log = logging.getLogger(__name__)
 LARGE = 0.5
 """Seconds to load or compile a program from which on it leaves much memory behind."""
 
-HEAD = b"tp-jax/program/2\n"
+HEAD = b"tp-jax/program/1\n"
 """Begins a file; then come 32 bytes, the SHA-256 of the rest."""
 
 BEGIN = len(HEAD) + 32
@@ -97,7 +93,10 @@ class Stored:
                 file = self._file(static, f"{tree} {shapes}")
                 with COMPILERS, _alone(file):
                     begun = time.monotonic()
-                    ready = self._ready_made(static, arrays, file)
+                    program = self._program(static, arrays, file)
+                    # called itself, it would keep what it was lowered to
+                    ready = program.lower(*arrays).compile()
+                    del program
                     took = time.monotonic() - begun
                     if took > LARGE:
                         release()
@@ -106,30 +105,35 @@ class Stored:
         return ready(*arrays)
 
     def _file(self, static: tuple, shapes: str) -> Path | None:
-        """Where the program is kept; None if it is not."""
+        """Where the trace is kept; None if it is not."""
         folder, described = programs_folder(), self.describe(*static)
         if folder is None or described is None:
             return None
         about = (
             self.function.__qualname__, described, shapes, _source(), jax.__version__,
-            jaxlib.__version__, jax.default_backend(), jax.devices()[0].device_kind,
-            os.environ.get("XLA_FLAGS", ""),
+            jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
             platform.python_version(), _processor.name(), jax.config.read("jax_enable_x64"),
         )  # fmt: skip
         digest = hashlib.sha256(repr(about).encode()).hexdigest()
         return folder / f"{self.function.__name__}-{digest}"
 
-    def _ready_made(self, static: tuple, arrays: tuple, file: Path | None) -> stages.Compiled:
-        """The program from where it was kept, or compiled and kept."""
-        ready = None if file is None else _kept(file)
-        if ready is None:
-            function = functools.partial(self.function, *static)
-            # called itself, what is jitted would keep what it was lowered to
-            jitted = jax.jit(function, compiler_options=compiler_options())
-            ready = jitted.lower(*arrays).compile()
-            if file is not None:
-                _keep(file, ready)
-        return ready
+    def _program(self, static: tuple, arrays: tuple, file: Path | None) -> Any:
+        """The jitted function of the arrays, its trace kept or taken from where it was kept."""
+        wide = compiler_options()
+        plain = jax.jit(functools.partial(self.function, *static), compiler_options=wide)
+        if file is None:
+            return plain
+        exported = _kept(file)
+        if exported is None:
+            try:
+                exported = export.export(jax.jit(functools.partial(self.function, *static)))(
+                    *arrays
+                )
+            except Exception as fault:  # there is another way
+                log.info("%s is not kept: %s", file.name, fault)
+                return plain
+            _keep(file, exported)
+        return jax.jit(exported.call, compiler_options=wide)
 
 
 @contextlib.contextmanager
@@ -150,17 +154,16 @@ def _alone(file: Path | None) -> Iterator[None]:
         yield
 
 
-def _kept(file: Path) -> stages.Compiled | None:
+def _kept(file: Path) -> export.Exported | None:
     """The program in a file; None, and no file, where there is none to be had from it."""
     try:
         content = file.read_bytes()
         head, digest, program = content[: len(HEAD)], content[len(HEAD) :][:32], content[BEGIN:]
         if head != HEAD or hashlib.sha256(program).digest() != digest:
             raise ValueError("it is not as it was written")
-        compiled = pickle.loads(zlib.decompress(program))
-        ready = serialize_executable.deserialize_and_load(*compiled)
+        exported = export.deserialize(bytearray(program))
         os.utime(file)  # what was used last is kept longest
-        return ready
+        return exported
     except FileNotFoundError:
         return None
     except Exception as fault:
@@ -170,9 +173,9 @@ def _kept(file: Path) -> stages.Compiled | None:
         return None
 
 
-def _keep(file: Path, ready: stages.Compiled) -> None:
+def _keep(file: Path, exported: export.Exported) -> None:
     try:
-        program = zlib.compress(pickle.dumps(serialize_executable.serialize(ready)), 1)
+        program = exported.serialize()
         with replaced(file) as part:  # whole for whoever else reads or writes it
             part.write_bytes(HEAD + hashlib.sha256(program).digest() + program)
     except Exception as fault:  # a full disk, or a part of the program that has no form in a file

@@ -1,9 +1,11 @@
 """Windows are put into lanes so that all lanes take about as long, and none twice."""
 
+import types
+
 import numpy as np
 import pytest
 
-from tp_jax.estimation.placement import SHORTEST, place
+from tp_jax.estimation.placement import SHORTEST, Experience, expected_steps, longest, place
 from tp_jax.estimation.windows import Windows
 
 WIDTH = 8
@@ -76,3 +78,23 @@ def test_more_blocks_than_needed_where_one_recording_takes_most():
 def test_no_more_blocks_than_needed_where_all_take_the_same():
     w = windows([np.full(4, 250)] * 16)
     assert place(w, np.full(w.n, 200.0), 1024, WIDTH)[:, 0].max() == 1
+
+
+def test_what_was_seen_is_expected_and_scales_the_rest():
+    t = np.arange(400) * 0.004
+    one = types.SimpleNamespace(
+        t=t, channels=np.array([True, False]), smooth=np.ones((400, 4)), smooth_sd=np.ones((400, 4))
+    )
+    w = windows([np.full(4, 100)])
+    guess, experience = expected_steps(w, [one]), Experience()
+    np.testing.assert_array_equal(experience.expected(w, [one]), guess)
+    some = Windows(w.recording[:2], w.first[:2], w.count[:2], 1.0)
+    experience.learn(some, 3.0 * guess[:2] + [0.0, 2.0])
+    found = experience.expected(w, [one])
+    np.testing.assert_array_equal(found[:2], 3.0 * guess[:2] + [0.0, 2.0])
+    np.testing.assert_allclose(found[2:], found[:2].mean())
+
+
+def test_blocks_take_their_slowest_lanes_together():
+    places = np.array([[0, 0, 0, 0], [0, 1, 0, 0], [0, 1, 9, 1], [1, 0, 0, 0]])
+    assert longest(places, np.array([5.0, 2.0, 4.0, 7.0])) == 13.0

@@ -137,3 +137,15 @@ def test_a_hopeless_window_is_marked():
     assert not out.complete[0]
     assert out.complete[1]
     assert out.cost() == np.inf
+
+
+def test_windows_that_are_placed_anew_give_the_same(problem, linearised, monkeypatch):
+    monkeypatch.setattr("tp_jax.estimation.problem.WORTH", np.inf)
+    again = dataclasses.replace(problem)
+    states = again.initial_states()
+    before = again.blocks()
+    for _ in range(3):
+        found = again.linearise(bench_values(), states, NAMES)
+    assert again.blocks() is not before
+    for name in ("r", "states_jac", "slots_jac", "states", "valid", "complete"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(linearised, name))

@@ -89,22 +89,20 @@ def _samples(first: np.ndarray, count: np.ndarray) -> np.ndarray:
 
 
 class Rows(NamedTuple):
-    """Where the samples of a block's windows lie in the block and among those of all windows."""
+    """Where samples of windows lie in a block (L n,), and among rows of all windows' (w, n)."""
 
-    lane: np.ndarray
-    sample: np.ndarray
+    block: np.ndarray
     window: np.ndarray
     row: np.ndarray
 
 
-def rows(windows: Windows, which: np.ndarray, places: np.ndarray) -> Rows:
+def rows(windows: Windows, packed: Packed) -> Rows:
     """Those of one block."""
+    which, places, block = packed
     count = windows.count[which]
     row = _samples(np.zeros_like(count), count)
-    return Rows(
-        np.repeat(places[:, 1], count), np.repeat(places[:, 2], count) + row,
-        np.repeat(which, count), row,
-    )  # fmt: skip
+    first = places[:, 1] * len(block.ts) + places[:, 2]
+    return Rows(np.repeat(first, count) + row, np.repeat(which, count), row)
 
 
 def steps_of(out: Linearised, windows: Windows, which: np.ndarray, places: np.ndarray):

@@ -199,7 +199,7 @@ class Problem:
         """Samples of all blocks' windows."""
         blocks, cached = self.blocks(), self.__dict__.get("_cached_rows")
         if cached is None or cached[0] is not blocks:
-            found = [rows(self.windows, which, places) for which, places, _ in blocks]
+            found = [rows(self.windows, each) for each in blocks]
             cached = blocks, found
             object.__setattr__(self, "_cached_rows", cached)
         return cached[1]
@@ -207,17 +207,20 @@ class Problem:
     def _learn(self, results: Sequence[Linearised]) -> None:
         """Takes note of the steps that windows took, and places them anew where that pays.
 
-        Looked at after the first linearisation, the second, the fourth and so on.
+        Looked at after the second linearisation, the fourth and so on: most problems are of the few
+        windows whose states are put right, and are linearised once.
         """
         times = self.__dict__.get("_times", 0) + 1
         object.__setattr__(self, "_times", times)
-        if times & (times - 1):
+        if times & (times - 1):  # no power of two
             return
         blocks, steps = self.blocks(), np.zeros(self.windows.n)
         places = np.zeros((self.windows.n, 4), dtype=int)
         for (which, mine, _), out in zip(blocks, results, strict=True):
             places[which], steps[which] = mine, steps_of(out, self.windows, which, mine)
         self.programs.experience.learn(self.windows, steps)
+        if times == 1:
+            return
         new = place(self.windows, steps, self.capacity, LANES)
         if len(blocks) > new[:, 0].max() and longest(new, steps) < WORTH * longest(places, steps):
             object.__setattr__(self, "_cached_blocks", self._packed(new))
@@ -371,26 +374,31 @@ class Problem:
         complete = np.zeros(nw, dtype=bool)
         valid = np.zeros((nw, m), dtype=bool)
         own = None if slots else np.zeros((nw, results[0, 0].own.shape[2]))
+        # rows of both channels in one, for then a sample is one piece of memory
         by_sample, by_states, by_slots, seen = (
-            a[:, : 2 * n].reshape(nw, n, 2, *a.shape[2:]) for a in (r, states_jac, slots_jac, valid)
+            a.reshape(nw * (n + 2), 2, *a.shape[2:]) for a in (r, states_jac, slots_jac, valid)
         )
         order = [k for part in portions for k in part]
         begin = np.cumsum([0, *map(len, portions)])
-        where = self._rows()
+        where, channels = self._rows(), np.array([p.channels for p in self.prepared])
         for (b, d), out in results.items():
-            which, places, block = self.blocks()[b]
-            lane, sample, window, row = where[b]
+            which, places, _ = self.blocks()[b]
+            source, window, row = where[b]
+            to = window * (n + 2) + row
             _, lanes, at, rank = places.T
-            jac, prior = out.jac[lane, sample], out.prior_jac[lanes, rank]
+            jac = out.jac.reshape(-1, *out.jac.shape[2:]).take(source, axis=0)
+            prior = out.prior_jac[lanes, rank]
             mine, end = slice(begin[d], begin[d + 1]), nc + len(portions[d])
-            by_slots[window, row, :, mine] = jac[..., nc:end]
+            by_slots[to, :, mine] = jac[..., nc:end]
             slots_jac[which, -4:, mine] = prior[..., nc:end]
             if d:
                 continue
-            by_sample[window, row], r[which, -4:] = out.r[lane, sample], out.prior_r[lanes, rank]
-            by_states[window, row], states_jac[which, -4:] = jac[..., :nc], prior[..., :nc]
-            states[window, row], complete[which] = out.states[lane, sample], out.complete[lanes]
-            seen[window, row] = block.weight[sample, :, lane] > 0.0
+            by_sample[to] = out.r.reshape(-1, 2).take(source, axis=0)
+            by_states[to] = jac[..., :nc]
+            r[which, -4:], states_jac[which, -4:] = out.prior_r[lanes, rank], prior[..., :nc]
+            states[window, row] = out.states.reshape(-1, nc).take(source, axis=0)
+            seen[to] = channels[self.windows.recording[window]]
+            complete[which] = out.complete[lanes]
             if own is not None:
                 own[which] = out.own[lanes, at + self.windows.count[which] - 1]
         if order != sorted(order):

@@ -13,13 +13,14 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import export
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax._stored import Stored
 from tp_jax.estimation.layout import Layout
 from tp_jax.estimation.placement import Experience
 from tp_jax.simulation.columns import columns, some_columns
-from tp_jax.simulation.lanes import Lanes, Tolerances, integrate
+from tp_jax.simulation.lanes import Integrated, Lanes, Tolerances, integrate
 
 NONE = frozenset[str]()
 
@@ -62,6 +63,10 @@ class Linearised(NamedTuple):
     complete: Bool[Array, " L"]
     taken: Float[Array, "L n"]
     own: Float[Array, "L n k"] | None = None
+
+
+for _kind in (Block, Linearised, Integrated):
+    export.register_namedtuple_serialization(_kind, serialized_name=f"tp_jax.{_kind.__name__}")
 
 
 class Programs:
