@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tp_jax.recordings import noise_floor, noise_level
+from tp_jax.recordings import noise_floor, noise_level, noise_levels
 
 T = 0.004 * np.arange(2500)
 SINE = 0.5 * np.sin(6.0 * np.pi * T)
@@ -113,3 +113,36 @@ def test_a_channel_that_stood_still_says_nothing_of_its_noise(recording):
 
 def test_floor_of_a_single_pendulum(recording):
     assert list(noise_floor([recording(phi2=None)])) == ["phi1"]
+
+
+def noisy(seed, sigma, step=1):
+    """Readings at every `step`-th time."""
+    e = np.random.default_rng(seed).standard_normal(T.size)
+    return T[::step], (SINE + sigma * e)[::step]
+
+
+def runs(recording, *levels, steps=None):
+    steps = steps or [1] * len(levels)
+    made = [noisy(i, x, step) for i, (x, step) in enumerate(zip(levels, steps, strict=True))]
+    return [recording(t=t, phi1=y, phi2=None) for t, y in made]
+
+
+def test_recordings_of_one_kind_share_a_level(recording):
+    found = noise_levels(runs(recording, *[1e-3] * 6))
+    assert np.ptp(found[:, 0]) == 0.0
+    assert found[0, 0] == pytest.approx(1e-3, rel=0.03)
+    assert (found[:, 1] == 0.0).all()  # there is no rider
+
+
+def test_a_recording_of_clearly_another_level_has_its_own(recording):
+    found = noise_levels(runs(recording, 1e-3, 2e-3, 1e-3, 1e-3, 2e-3, 1e-3))[:, 0]
+    expected = 1e-3 * np.array([1.0, 2.0, 1.0, 1.0, 2.0, 1.0])
+    np.testing.assert_allclose(found, expected, rtol=0.06)
+
+
+def test_recordings_of_other_rates_have_levels_of_their_own(recording):
+    """As means over blocks have, which average the noise away."""
+    found = noise_levels(runs(recording, 1e-3, 0.5e-3, 1e-3, 0.5e-3, steps=[1, 3, 1, 3]))[:, 0]
+    np.testing.assert_allclose(found, [1e-3, 0.5e-3, 1e-3, 0.5e-3], rtol=0.06)
+    assert found[0] == found[2]
+    assert found[1] == found[3]
