@@ -221,6 +221,7 @@ class _Rest:
         self.parts = []
         for i in group:
             mine = np.flatnonzero((w.recording == i) & lin.complete)
+            mine = mine[_moving(setting, i, c, w.first[mine], w.count[mine])]
             if not mine.size:
                 continue
             inside = np.arange(n)[None, :] < w.count[mine][:, None]
@@ -265,6 +266,18 @@ class _Rest:
             squares, free = squares + rss, free + count.sum() - used
         level = squares / max(free, 1.0)
         return float(free * np.log(max(level, 1e-300)) + determinant), float(level)
+
+
+def _moving(setting: Setting, i: int, c: int, first: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """Windows (w,) of a channel of a recording whose readings take more than two values.
+
+    A body that rests between two steps of a coarse reading shows no noise at all: of such windows
+    the noise of those that move would seem too small.
+    """
+    y = setting.prepared[i].y[:, c]
+    step = quantum(setting.recordings[i].channels[CHANNELS[c]])
+    spans = [np.ptp(y[f : f + n]) for f, n in zip(first, count, strict=True)]
+    return np.array(spans) > 1.5 * step
 
 
 def _basis(jac: np.ndarray) -> np.ndarray:
