@@ -61,7 +61,7 @@ class Linearised(NamedTuple):
     prior_jac: Float[Array, "L W 4 m"]
     states: Float[Array, "L n 4"]
     complete: Bool[Array, " L"]
-    taken: Float[Array, "L n"]
+    taken: Int[Array, "L n"]
     own: Float[Array, "L n k"] | None = None
 
 

@@ -64,7 +64,7 @@ class Integrated(NamedTuple):
     s: Float[Array, "L n 4 m"]
     steps: Int[Array, " L"]
     complete: Bool[Array, " L"]
-    taken: Float[Array, "L n"]
+    taken: Int[Array, "L n"]
 
 
 class _State(NamedTuple):
@@ -187,7 +187,6 @@ def integrate(
             values = [*rows[r], *own]
             if r == 0:
                 values = [jnp.where(fresh, a, b) for a, b in zip(beginning, values, strict=True)]
-            values.append(1.0 * state.steps)
             found.append(
                 values + [jnp.where(fresh, a, b) for a, b in zip(begun, tangents[r], strict=False)]
             )
@@ -230,21 +229,24 @@ def integrate(
                 places = put(places, place[r], i, r)
             return i + 1, state, rows, places
 
-        rows = [jnp.zeros((PASSES, per_step, width))] * (nc + 1)
+        rows = [jnp.zeros((PASSES, per_step, width))] * nc
         rows += [jnp.zeros((PASSES, per_step, nd, width))] * 4
         places = jnp.full((PASSES, per_step, width), n)
         _, state, rows, places = jax.lax.while_loop(go_on, one, (0, state, rows, places))
-        tangents = jnp.stack([r.transpose(0, 1, 3, 2) for r in rows[nc + 1 :]], axis=-2)
-        return state, jnp.stack(rows[: nc + 1], axis=-1), tangents, places
+        tangents = jnp.stack([r.transpose(0, 1, 3, 2) for r in rows[nc:]], axis=-2)
+        return state, jnp.stack(rows[:nc], axis=-1), tangents, places
 
     def outer(carry):
-        state, y, s = carry
+        i, state, y, s, taken = carry
         state, values, tangents, places = inner(state)
         y = y.at[lane, places].set(values, mode="promise_in_bounds")
         s = s.at[lane, places].set(tangents, mode="promise_in_bounds")
+        # A lane steps in every pass until it is done, so that a row's place says how often it did.
+        passes = jnp.broadcast_to(PASSES * i + jnp.arange(PASSES)[:, None, None], places.shape)
+        taken = taken.at[lane, places].set(passes, mode="promise_in_bounds")
         limit = max_steps + 8 * lanes.count
         over = (state.k < lanes.count) & (~(state.h >= SMALLEST) | (state.steps > limit))
-        return state._replace(k=jnp.where(over, n + 1, state.k)), y, s
+        return i + 1, state._replace(k=jnp.where(over, n + 1, state.k)), y, s, taken
 
     zero = jnp.zeros(width)
     none = [0.0 * unit] * nc
@@ -252,7 +254,9 @@ def integrate(
         lanes.ts[0], jnp.zeros(width, int), zero + first, jnp.zeros(width, int), list(y0),
         [zero] * nc, none, none,
     )  # fmt: skip
-    carry = (state, jnp.zeros((width, n + 1, nc + 1)), jnp.zeros((width, n + 1, 4, nd)))
-    state, y, s = jax.lax.while_loop(lambda c: jnp.any(c[0].k < lanes.count), outer, carry)
+    y, s = jnp.zeros((width, n + 1, nc)), jnp.zeros((width, n + 1, 4, nd))
+    carry = (0, state, y, s, jnp.zeros((width, n + 1), int))
+    carry = jax.lax.while_loop(lambda c: jnp.any(c[1].k < lanes.count), outer, carry)
+    _, state, y, s, taken = carry
     complete = state.k == lanes.count
-    return Integrated(y[:, :n, :nc], s[:, :n], state.steps, complete, y[:, :n, nc])
+    return Integrated(y[:, :n], s[:, :n], state.steps, complete, taken[:, :n])
