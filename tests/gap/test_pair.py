@@ -22,7 +22,7 @@ def screen_of(V: np.ndarray, score: np.ndarray, *limits: tuple[float, float]) ->
                 rows, bounds,
             )
         )  # fmt: skip
-    return Screen(tuple(scored), V, V[None], {}, score)
+    return Screen(tuple(scored), V, V[None], {}, score, np.zeros((0, 0)))
 
 
 def confounded(n: int = 3, noise: int = 0) -> tuple[np.ndarray, np.ndarray, float]:
