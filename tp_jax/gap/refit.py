@@ -28,6 +28,7 @@ MOST_SAMPLES = 1000  # of a window; longer ones take a program of their own for 
 #: constant torque of a spring that vanishes: no fit would end. So it has a bound besides.
 ZERO1_SD = 0.1
 ZERO1_MOST = 3.0  # standard deviations
+ANY_ZERO1_SD = 1.0  # rad; where nothing says at which reading the column rests, as with a drive
 ZERO2_SD = 0.3  # rad; where the rider is put is not known, but it is read as about zero
 
 
@@ -68,8 +69,8 @@ def nuisances(
     if any(e.uses_phi1 for e in effects) or (effects and known):
         spec = specs[index["zero1"]]
         unknowns.append(Unknown("zero1"))
-        centre = float(spec.to_coordinate(zero1))
-        anchors.append(Anchor(unknowns[-1], centre, ZERO1_SD / spec.slope(zero1)))
+        centre, sd = float(spec.to_coordinate(zero1)), ZERO1_SD if known else ANY_ZERO1_SD
+        anchors.append(Anchor(unknowns[-1], centre, sd / spec.slope(zero1)))
     if any(e.uses_phi2 for e in effects):
         mine = [Unknown("zero2", i) for i in recordings]
         unknowns += mine
@@ -123,8 +124,8 @@ def _of_zero(problem: Problem, anchors: Sequence[Anchor]) -> dict[str, tuple[flo
     """Bounds of the zero of phi1 [rad], where it has a prior."""
     out = {}
     for a in anchors:
-        if a.unknown == Unknown("zero1"):
-            spec = parameter(problem, a.unknown)
+        spec = parameter(problem, a.unknown)
+        if a.unknown == Unknown("zero1") and a.sd < 2.0 * ZERO1_SD / spec.slope(0.0):
             ends = a.centre - ZERO1_MOST * a.sd, a.centre + ZERO1_MOST * a.sd
             out["zero1"] = tuple(float(spec.from_coordinate(x)) for x in ends)
     return out
