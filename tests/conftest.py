@@ -26,6 +26,12 @@ if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", str(CACHED_ABOVE))
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "0")
 
+# Nor need two processes find the same diagnosis (see tests/kept.py); one of an earlier run, and of
+# another source, is never taken.
+KEPT = None
+if "TP_JAX_TESTS_KEPT" not in os.environ:
+    KEPT = os.environ["TP_JAX_TESTS_KEPT"] = tempfile.mkdtemp(prefix="tp-jax-tests-")
+
 compile_small_loops()
 use_float64()
 
@@ -37,8 +43,9 @@ settings.load_profile("deterministic")
 
 
 def pytest_unconfigure() -> None:
-    if CACHE is not None:  # in the process that made it, so after its workers
-        shutil.rmtree(CACHE, ignore_errors=True)
+    for folder in (CACHE, KEPT):
+        if folder is not None:  # in the process that made it, so after its workers
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 @pytest.fixture(scope="session")

@@ -1,25 +1,18 @@
-"""Campaigns cut short, and what the program says of them."""
-
-import dataclasses
-from pathlib import Path
+"""A rig in which something is hidden: what was recorded, and what the program says of it."""
 
 import pytest
 
 import tp_jax as tp
-
-BUNDLED = Path(tp.__file__).parent / "examples" / "case-02"
-
-
-@pytest.fixture(scope="session")
-def short_campaign():
-    """The bundled campaign, 4 s of each recording: from an independent simulator."""
-    campaign = tp.load_campaign(BUNDLED)
-    cut = tuple(
-        dataclasses.replace(r.cut(0.0, 4.0), label=r.name, span=None) for r in campaign.recordings
-    )
-    return dataclasses.replace(campaign, recordings=cut)
+from tests import kept
 
 
 @pytest.fixture(scope="session")
-def short_diagnosis(short_campaign):
-    return tp.diagnose(short_campaign, seed=0)
+def short_diagnosis():
+    """Its diagnosis, by the shell."""
+    return kept.recorded()
+
+
+@pytest.fixture(scope="session")
+def short_campaign(short_diagnosis):
+    """Six runs of the virtual rig of 4 s each."""
+    return tp.load_campaign(kept.recorded_folder())
