@@ -1,4 +1,4 @@
-"""What scripts/guard runs: 24 rigs whose diagnoses a change must not alter unseen."""
+"""What scripts/guard runs: rigs whose diagnoses a change must not alter unseen."""
 
 import dataclasses
 import json
@@ -26,6 +26,11 @@ SEED = 34
 
 RIGS = {"clean": 12, "rough": 12}
 """Rigs of each kind."""
+
+SHARED = ROOT.parent / "shared"
+BESIDE = ("examples", "data/rough", "data/furuta", "data/multiarm", "data/pohl_wheel")
+"""Campaigns that may lie beside the repository: of another simulator, and of real rigs. They are
+looked at too where they are there."""
 
 SAME_SHRINK = 0.01
 """A shrink is as it was within this."""
@@ -72,7 +77,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> Parser:
     parser = Parser(
         prog="scripts/guard",
-        description="Diagnoses 24 rigs and compares with what is kept of them. Resumes.",
+        description="Diagnoses 24 rigs, and the campaigns beside the repository, and compares "
+        "with what is kept of them. Resumes.",
     )
     parser.add_argument("--name", default="now",
                         help="of this version; what it has diagnosed already is not done again "
@@ -87,6 +93,8 @@ def _parser() -> Parser:
                         help="processes (default: as many as processors)")  # fmt: skip
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
                         help="begin no rig after so many seconds")  # fmt: skip
+    parser.add_argument("--made-only", action="store_true",
+                        help="leave out the campaigns that lie beside the repository")  # fmt: skip
     parser.add_argument("--keep", action="store_true",
                         help="write trials/guard.json from what was found")  # fmt: skip
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
@@ -97,22 +105,27 @@ def _guard(args: Any) -> int:
     from tp_jax.cli.output import write_json
 
     folder = Path(args.folder)
-    rigs = _rigs(folder, args.workers)
+    made = _made(folder, args.workers)
+    rigs = {name: (folder / name.replace("-", "/", 1), hidden) for name, hidden in made.items()}
+    beside = {} if args.made_only else _beside()
     rows = folder / args.name
     if args.afresh:
         for file in rows.glob("*.json"):
             file.unlink()
     rows.mkdir(parents=True, exist_ok=True)
     # rough ones by turns with clean ones, so that a part of the guard is a fair part
-    order = [name for pair in zip(*_by_kind(rigs), strict=True) for name in pair]
-    tasks = [(folder, name, rows / f"{name}.json", rigs[name]) for name in order]
+    order = [name for pair in zip(*_by_kind(made), strict=True) for name in pair]
+    rigs |= beside
+    tasks = [
+        (name, rigs[name][0], rows / f"{name}.json", rigs[name][1]) for name in [*order, *beside]
+    ]
     left = [task for task in tasks if not task[2].is_file()]
     status = 0
     until = time.monotonic() + args.limit_s
-    for (_, name, *_), future in over_all_cores(_diagnose, left, args.workers, until):
+    for (file, *_), future in over_all_cores(_diagnose, left, args.workers, until):
         fault = fault_of(future)
         told = "is done" if fault is None else f"failed: {fault}"
-        print(f"guard: {name} {told}", file=sys.stderr)
+        print(f"guard: {file.stem} {told}", file=sys.stderr)
         status = status if fault is None else 1
     found = _read_all(rows)
     if args.keep:
@@ -121,13 +134,21 @@ def _guard(args: Any) -> int:
         KEPT.parent.mkdir(exist_ok=True)
         write_json(KEPT, {name: dataclasses.asdict(row) for name, row in found.items()})
     other = _kept() if args.against is None else _read_all(folder / args.against)
-    print(_table(found, other))
+    print(_table(found, other, len(rigs)))
     changed = [name for name, row in found.items() if name in other and row.differs(other[name])]
     return status or (1 if changed else 0)
 
 
-def _rigs(folder: Path, workers: int) -> dict[str, tuple[str, ...]]:
-    """Names of all rigs and what is hidden in each; made where they are not there."""
+def _beside() -> dict[str, tuple[Path, tuple[str, ...]]]:
+    """Folders of the campaigns beside the repository by name; what is hidden there is not told."""
+    roots = [SHARED / name for name in BESIDE]
+    places = [file.parent for root in roots for file in sorted(root.rglob("campaign.toml"))]
+    names = ["-".join(place.relative_to(SHARED).parts[1:]) for place in places]
+    return {name: (place, ()) for name, place in zip(names, places, strict=True)}
+
+
+def _made(folder: Path, workers: int) -> dict[str, tuple[str, ...]]:
+    """Names of the rigs and what is hidden in each; made where they are not there."""
     from tp_jax.blind import make
     from tp_jax.blind.seal import KEY
 
@@ -146,13 +167,12 @@ def _by_kind(rigs: Mapping[str, Any]) -> list[list[str]]:
     return [[name for name in rigs if name.startswith(f"{kind}-")] for kind in RIGS]
 
 
-def _diagnose(folder: Path, name: str, target: Path, hidden: tuple[str, ...]) -> None:
+def _diagnose(target: Path, folder: Path, hidden: tuple[str, ...]) -> None:
     import tp_jax as tp
     from tp_jax.cli.output import write_json
 
-    kind, case = name.split("-", 1)
     begin = time.process_time()
-    diagnosis = tp.diagnose(tp.load_campaign(folder / kind / case))
+    diagnosis = tp.diagnose(tp.load_campaign(folder))
     found = diagnosis.to_dict()
     row = Row(
         hidden, found["verdict"], tuple(c["effect"] for c in found["causes"]),
@@ -173,7 +193,7 @@ def _read_all(rows: Path) -> dict[str, Row]:
     return {f.stem: Row.read(json.loads(f.read_text(encoding="utf-8"))) for f in files}
 
 
-def _table(found: Mapping[str, Row], other: Mapping[str, Row]) -> str:
+def _table(found: Mapping[str, Row], other: Mapping[str, Row], of: int) -> str:
     """Each rig, what has changed as `then → now`, and the sums."""
 
     def both(name: str, cell) -> str:
@@ -197,7 +217,7 @@ def _table(found: Mapping[str, Row], other: Mapping[str, Row]) -> str:
     ]
     shared = [name for name in found if name in other]
     same = sum(not found[name].differs(other[name]) for name in shared)
-    parts = [f"{len(found)} of {sum(RIGS.values())} rigs; {same} of {len(shared)} as before."]
+    parts = [f"{len(found)} of {of} rigs; {same} of {len(shared)} as before."]
     if shared:
         now, then = (sum(rows[name].cpu_s for name in shared) for rows in (found, other))
         parts.append(f"CPU {then:.0f} → {now:.0f} s ({now / then:.2f} times).")

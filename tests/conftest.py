@@ -1,5 +1,6 @@
 """What all tests share."""
 
+import gc
 import os
 import shutil
 import tempfile
@@ -40,6 +41,23 @@ ROOT = Path(__file__).parent.parent
 # the same examples in every run, and no fault for being slow on a busy machine
 settings.register_profile("deterministic", derandomize=True, deadline=None, database=None)
 settings.load_profile("deterministic")
+
+
+MOST_MAPPED = 30_000
+"""Pieces of memory of a process, of which Linux allows 65,530: beyond, what is compiled cannot be
+placed, and the process ends at once. A test run compiles tens of thousands of small programs."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def room_for_programs():
+    """Compiled programs are dropped when many are there; what is kept on disk is loaded again."""
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.is_file() and maps.read_bytes().count(b"\n") > MOST_MAPPED:
+        import jax
+
+        jax.clear_caches()
+        gc.collect()
 
 
 def pytest_unconfigure() -> None:

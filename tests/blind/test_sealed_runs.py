@@ -8,7 +8,7 @@ from tp_jax.estimation.baseline import initial_values, prepare_campaign
 from tp_jax.gap.held_out import evaluate
 from tp_jax.rig import RigParameters, make_campaign
 
-NOISE, HIDDEN = 1e-3, "spring_hardening"
+NOISE, HIDDEN = 1e-3, "sensor2_nonlinearity"
 
 
 @pytest.mark.slow

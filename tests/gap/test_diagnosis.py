@@ -83,23 +83,16 @@ def test_prediction_says_what_is_missing(short_diagnosis):
         tp.predict({}, omega=3.0, duration=1.0, rate=10.0)
 
 
-@pytest.mark.parametrize(
-    ("case", "verdict", "causes"),
-    [("case-01", "no_gap", []), ("case-03", "explained", ["sensor2_nonlinearity"])],
-)
-def test_shared_examples(shared, case, verdict, causes):
-    """Campaigns with a key, from another simulator altogether."""
-    folder = shared / "examples" / case
+def test_nothing_is_found_where_nothing_is_hidden(shared):
+    """A campaign with a key, from another simulator altogether; scripts/guard has the others."""
+    folder = shared / "examples" / "case-01"
     if not folder.exists():
-        pytest.skip(f"the shared example {case} is not here")
+        pytest.skip("the shared example case-01 is not here")
     diagnosis = tp.diagnose(tp.load_campaign(folder), seed=0)
     d = diagnosis.to_dict()
-    assert d["verdict"] == verdict
-    assert diagnosis.causes == causes
-    if causes:
-        assert d["gap"]["shrink"] >= 0.9
-    else:
-        assert d["where"] == []
+    assert d["verdict"] == "no_gap"
+    assert diagnosis.causes == []
+    assert d["where"] == []
 
 
 def test_real_wheel(shared):

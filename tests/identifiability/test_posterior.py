@@ -68,8 +68,8 @@ def test_gradient(density, at):
 
 @pytest.mark.slow
 def test_draws(fit, setting):
-    found = posterior(fit, setting, draws=60, warmup=30, chains=2, seed=1)
-    assert found.samples.shape == (2, 60, len(found.names))
+    found = posterior(fit, setting, draws=30, warmup=20, chains=2, seed=1)
+    assert found.samples.shape == (2, 30, len(found.names))
     known = information(fit, setting)
     for name in KNOWN_WELL:
         i = known.names.index(name)
