@@ -116,10 +116,8 @@ def _guard(args: Any) -> int:
     # rough ones by turns with clean ones, so that a part of the guard is a fair part
     order = [name for pair in zip(*_by_kind(made), strict=True) for name in pair]
     rigs |= beside
-    tasks = [
-        (name, rigs[name][0], rows / f"{name}.json", rigs[name][1]) for name in [*order, *beside]
-    ]
-    left = [task for task in tasks if not task[2].is_file()]
+    tasks = [(rows / f"{name}.json", *rigs[name]) for name in [*order, *beside]]
+    left = [task for task in tasks if not task[0].is_file()]
     status = 0
     until = time.monotonic() + args.limit_s
     for (file, *_), future in over_all_cores(_diagnose, left, args.workers, until):
