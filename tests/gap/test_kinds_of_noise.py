@@ -6,8 +6,8 @@ import pytest
 from tests import noisy
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 from tp_jax.estimation.sharpen import sharpened
-from tp_jax.gap.choice import _misfits
-from tp_jax.gap.diagnosis import _with_noise_of
+from tp_jax.gap.choice import misfits
+from tp_jax.gap.diagnosis import with_noise_of
 from tp_jax.gap.held_out import squares
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.screen import screen
@@ -20,7 +20,7 @@ def looked_at(noise, seed, rates):
     """A campaign with its noise, and its baseline, as a diagnosis begins."""
     setting = prepare_campaign(noisy.campaign(noise, seed, rates))
     fit = grow(setting, initial_values(setting), setting.unknowns())
-    setting, fit = _with_noise_of(setting, fit, fit)
+    setting, fit = with_noise_of(setting, fit, fit)
     return setting, sharpened(setting, fit)
 
 
@@ -42,7 +42,7 @@ def looked_at(noise, seed, rates):
 def test_nothing_hidden_is_nothing_found(noise, seed, rates, levels):
     setting, fit = looked_at(noise, seed, rates)
     assert structure_test(screen(fit, setting), seed=0).p >= POLICY.structure.seen
-    assert not _misfits(setting, fit)
+    assert not misfits(setting, fit)
     tolerance = 0.15 if noise is noisy.coarse else 0.1
     found = np.array(setting.levels)
     blocks = np.sqrt(np.array(setting.blocks, dtype=float))[:, None]

@@ -128,7 +128,7 @@ def choose(
         if nothing and n == 0:
             # A large misfit scatters the blocks too, and the test sees less for it. What the others
             # reject is searched as well.
-            nothing = not _misfits(setting, before)
+            nothing = not misfits(setting, before)
         if nothing or last:
             rounds.append(Round(before, current.fit, seen, structure, {}, {}, None))
             break
@@ -273,7 +273,7 @@ def _confirmed(
     return found
 
 
-def _misfits(setting: Setting, fit: Fit) -> bool:
+def misfits(setting: Setting, fit: Fit) -> bool:
     """Whether a fit leaves more than noise by the tests that ask for no effect."""
     excess = (fit.chi2_dof - 1.0) / np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
     p = combined(1.0, free_structure(setting, fit).p, excess)

@@ -125,12 +125,12 @@ def _chosen(
     Where the data alone do not say what colour the noise has, what the baseline leaves does, and
     some of that may be gap. What the causes leave says it better; then all is judged anew.
     """
-    setting, baseline = _with_noise_of(setting, baseline, baseline)
+    setting, baseline = with_noise_of(setting, baseline, baseline)
     choice = choose(setting, baseline, seed, progress)
     if all(not r.forced for r in setting.recordings):
         setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
     if choice.final.ids:
-        better, baseline = _with_noise_of(setting, choice.final.fit, baseline)
+        better, baseline = with_noise_of(setting, choice.final.fit, baseline)
         if better is not setting:
             looks = choice.looks
             choice = choose(better, baseline, seed, progress)
@@ -155,13 +155,13 @@ def _looked_longer(
         if longer is baseline:
             break
         progress("longer windows", None)
-        setting, baseline = _with_noise_of(setting, longer, longer)
+        setting, baseline = with_noise_of(setting, longer, longer)
         choice = choose(setting, baseline, seed, progress)
         choice = dataclasses.replace(choice, looks=look + 2)
     return setting, baseline, choice
 
 
-def _with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting, Fit]:
+def with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting, Fit]:
     """The campaign with the noise that a fit shows, and the baseline under it.
 
     A fit under white noise absorbs some of a colour where its windows start at rest, so that of the
