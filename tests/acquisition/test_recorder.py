@@ -4,7 +4,6 @@ import errno
 import json
 import os
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.acquisition.swing import emulated, port_of
+from tests.waiting import PATIENCE, running, until
 from tp_jax.acquisition import Settings, fit_clock, record, writer
 from tp_jax.acquisition.calibration import Calibration, SensorCalibration
 from tp_jax.acquisition.metadata import metadata_path
@@ -192,7 +192,7 @@ def test_a_disk_that_is_full(tmp_path, monkeypatch):
 def test_an_older_run_is_stopped_and_its_samples_ignored(tmp_path):
     with emulated(speed=2.0) as rig:
         rig.firmware._start(rig._now(), 3.0, None)  # what a killed recorder leaves behind
-        time.sleep(0.2)
+        until(lambda: rig.firmware.sent > 100)
         done = record(port_of(rig), tmp_path / "run.csv", Settings(1.0, release=0.4))
         check_no_wrong_sample(table(done.path), rig.firmware)
         assert rig.firmware.rig.started[-1] == (None, 0.4)
@@ -378,11 +378,12 @@ record(sys.argv[1], sys.argv[2], Settings(float(sys.argv[3]), omega=13.09))
 
 def test_a_killed_recorder_leaves_all_but_the_last_moment(tmp_path):
     out = tmp_path / "run.csv"
-    with emulated(speed=1.0) as rig:
-        child = subprocess.Popen([sys.executable, "-c", PROGRAM, rig.port, str(out), "60"])
-        while not out.exists():
-            time.sleep(0.01)
-        time.sleep(1.5)
+    # a rig four times slower than its clock: the recorder may wait long for a busy processor
+    with (
+        emulated(speed=0.25) as rig,
+        running([sys.executable, "-c", PROGRAM, rig.port, str(out), "60"]) as child,
+    ):
+        until(lambda: out.exists() and out.stat().st_size > 10_000)
         sent = rig.firmware.sent
         child.send_signal(signal.SIGKILL)
         child.wait()
@@ -399,13 +400,13 @@ def test_a_killed_recorder_leaves_all_but_the_last_moment(tmp_path):
 
 def test_interrupting_keeps_what_there_is(tmp_path):
     out = tmp_path / "run.csv"
-    with emulated(speed=1.0) as rig:
-        child = subprocess.Popen([sys.executable, "-c", PROGRAM, rig.port, str(out), "60"])
-        while not out.exists():
-            time.sleep(0.01)
-        time.sleep(0.5)
+    with (
+        emulated(speed=1.0) as rig,
+        running([sys.executable, "-c", PROGRAM, rig.port, str(out), "60"]) as child,
+    ):
+        until(lambda: out.exists() and out.stat().st_size > 20_000)
         child.send_signal(signal.SIGINT)
-        assert child.wait(5.0) == 0
+        assert child.wait(PATIENCE) == 0
         assert not rig.firmware.running
     meta = json.loads(metadata_path(out).read_text())
     assert meta["state"] == "interrupted"

@@ -1,6 +1,7 @@
 """Making trials: the same for the same seed, nothing that tells, nothing of the model."""
 
 import hashlib
+import importlib
 import json
 import subprocess
 import sys
@@ -119,7 +120,7 @@ def test_same_seed_same_trial(made, tmp_path):
 
 
 def test_goes_on_where_it_was(tmp_path, monkeypatch):
-    source = sys.modules["tp_jax.blind.make"]
+    source = importlib.import_module("tp_jax.blind.make")
     asked = []
 
     def failing(part, case, settings):
@@ -142,7 +143,7 @@ def test_goes_on_where_it_was(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("at", ["rmdir", "rename"])
 def test_cut_off_while_it_is_put_into_its_place(at, tmp_path, monkeypatch):
-    source = sys.modules["tp_jax.blind.make"]
+    source = importlib.import_module("tp_jax.blind.make")
     asked = []
 
     def made_of(part, case, settings):

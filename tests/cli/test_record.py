@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.acquisition.swing import emulated
+from tests.waiting import PATIENCE, running, until
 from tp_jax.acquisition.status import Status
 from tp_jax.cli import main
 from tp_jax.cli.live import plot, screen
@@ -186,19 +187,17 @@ def test_a_recording_cut_short_is_kept_and_told(tmp_path, capsys):
 def test_interrupting(impatient, tmp_path):
     out = tmp_path / "run.csv"
     words = [sys.executable, "-m", "tp_jax", "record", "--port", "emulator"]
-    child = subprocess.Popen(
+    with running(
         [*words, "--duration", "60", "--omega", "10", "--out", str(out)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT,
-    )  # fmt: skip
-    while not out.exists():
+    ) as child:  # fmt: skip
+        until(lambda: child.poll() is not None or (out.exists() and out.stat().st_size > 1000))
         assert child.poll() is None
-        time.sleep(0.01)
-    time.sleep(0.3)
-    child.send_signal(signal.SIGINT)
-    if impatient:
-        time.sleep(0.01)
         child.send_signal(signal.SIGINT)
-    told, fault = child.communicate(timeout=20.0)
+        if impatient:
+            time.sleep(0.01)
+            child.send_signal(signal.SIGINT)
+        told, fault = child.communicate(timeout=PATIENCE)
     assert child.returncode == 130
     assert told.startswith(f"Wrote {out}: ")
     assert fault == "tp-jax: interrupted.\n"
@@ -209,22 +208,19 @@ def test_interrupting(impatient, tmp_path):
 def test_serving(end, tmp_path):
     words = [sys.executable, "-m", "tp_jax", "rig", "serve", "--seed", "3", "--speed", "5"]
     words += ["--until-stdin-closes"] if end == "stdin" else []
-    rig = subprocess.Popen(
-        words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT
-    )
-    port = rig.stdout.readline().strip()
-    assert Path(port).is_symlink()
-    for name in ("a.csv", "b.csv"):  # one host after the other
-        argv = ["record", "--port", port, "--duration", "1", "--omega", "10", "--quiet"]
-        assert main([*argv, "--out", str(tmp_path / name)]) == 0
-    if end == "stdin":
-        rig.stdin.close()
-    else:
-        rig.send_signal(signal.SIGINT if end == "interrupt" else signal.SIGTERM)
-    assert rig.wait(10.0) == 0
+    pipes = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    with running(words, cwd=ROOT, **pipes) as rig:
+        port = rig.stdout.readline().strip()
+        assert Path(port).is_symlink()
+        for name in ("a.csv", "b.csv"):  # one host after the other
+            argv = ["record", "--port", port, "--duration", "1", "--omega", "10", "--quiet"]
+            assert main([*argv, "--out", str(tmp_path / name)]) == 0
+        if end == "stdin":
+            rig.stdin.close()
+        else:
+            rig.send_signal(signal.SIGINT if end == "interrupt" else signal.SIGTERM)
+        assert rig.wait(PATIENCE) == 0
     assert not Path(port).parent.exists()
-    rig.stdout.close()
-    rig.stdin.close()
 
 
 # What is shown -------------------------------------------------------------------------------

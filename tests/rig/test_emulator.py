@@ -1,12 +1,12 @@
 """The emulated firmware, its line and its pseudo-terminal."""
 
 import os
-import time
 
 import numpy as np
 import pytest
 
 from tests.acquisition.swing import Swing, emulated, port_of
+from tests.waiting import until
 from tp_jax.acquisition import Settings, protocol, record
 from tp_jax.acquisition.parser import FrameParser
 from tp_jax.acquisition.protocol import Ack, Announced, Command, Identity
@@ -109,18 +109,15 @@ def test_the_port_keeps_its_name():
 def test_a_host_that_does_not_read_stops_nothing():
     with emulated(speed=20.0) as rig:
         rig.firmware._start(rig._now(), 5.0, None)
-        time.sleep(0.4)
+        until(lambda: rig.firmware.sent > 4000 and rig.overflowed > 0)
         assert len(rig._queue) <= BUFFER
-        assert rig.overflowed > 0
-        assert rig.firmware.sent > 4000
 
 
 def test_unplugging_on_request(tmp_path):
     with emulated(speed=2.0) as rig:
         assert os.path.exists(rig.port)
         rig.unplug()
-        time.sleep(0.1)
-        assert not os.path.lexists(rig.port)
+        until(lambda: not os.path.lexists(rig.port))
         rig.plug()
-        time.sleep(0.1)
+        until(lambda: os.path.exists(rig.port))
         record(port_of(rig), tmp_path / "run.csv", Settings(0.3, omega=3.0))

@@ -348,9 +348,7 @@ class Problem:
         def run(ids: frozenset[str], asked: int) -> None:
             nothing = np.zeros((0, 0), dtype=int)
             where = nothing.reshape(0, 4)
-            block = packed(
-                self.prepared, self.windows, nothing.ravel(), where, self.capacity
-            ).block
+            block = packed(self.prepared, self.windows, nothing.ravel(), where, self.capacity).block
             linearise(
                 self.layout, self.tolerances, ids, np.ones((len(self.layout.parameters), LANES)),
                 np.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,

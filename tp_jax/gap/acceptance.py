@@ -143,9 +143,7 @@ def tied(setting: Setting, choice: Choice, no_gap: bool = False) -> list[list[st
     return unique
 
 
-def with_ties(
-    setting: Setting, choice: Choice, id: str, probabilities: dict[str, float]
-) -> float:
+def with_ties(setting: Setting, choice: Choice, id: str, probabilities: dict[str, float]) -> float:
     """Probability of a cause together with those that it is tied with."""
     others = {x for g in tied(setting, choice) if id in g for x in g} - {id}
     shares = sorted((probabilities.get(x, 0.0) for x in others), reverse=True)

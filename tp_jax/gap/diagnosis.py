@@ -275,7 +275,16 @@ def _report(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0)
         },
         "where": [dataclasses.asdict(s) for s in where],
         "causes": _causes(
-            setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least,
+            setting,
+            choice,
+            final,
+            begun,
+            shrinks,
+            total,
+            probabilities,
+            horizon,
+            seed,
+            least,
             doubts.unnamed,
         ),
         "candidates": _candidates(setting, choice, probabilities, shrinks),
@@ -325,7 +334,6 @@ def _evidence(
     levels = np.array([*least.noise.values(), 0.0])[:2]
     error = float(np.hypot(floor_error(setting), after.chance(levels)))
     error = float(np.hypot(error, np.sqrt(2.0) * least.parts.sum() / max(floor2, 1e-300)))
-
 
     def beyond(windowed: float, free: float | None) -> float:
         """What exceeds the noise in windows or in a free run [rad]; infinite of one that fails."""

@@ -55,7 +55,6 @@ class HeldOut:
         count = (w[:, None] * self.samples).sum(axis=0)[used]
         return float((total / np.maximum(count, 1.0)).mean())
 
-
     def chance(self, levels: np.ndarray) -> float:
         """Relative standard error of `mean_square` where nothing but noise is left.
 

@@ -1,0 +1,28 @@
+"""Waiting for conditions instead of seconds, and processes that no test leaves behind."""
+
+import contextlib
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+PATIENCE = 120.0
+"""Seconds after which a condition counts as never met, on a machine however busy."""
+
+
+def until(condition: Callable[[], Any], patience: float = PATIENCE) -> None:
+    """Waits until a condition holds."""
+    end = time.monotonic() + patience
+    while not condition():
+        assert time.monotonic() < end, "the condition was never met"
+        time.sleep(0.01)
+
+
+@contextlib.contextmanager
+def running(words: list[str], **options: Any) -> Iterator[subprocess.Popen]:
+    """A process that is gone at the end, whatever becomes of the test."""
+    with subprocess.Popen(words, **options) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
