@@ -1,6 +1,7 @@
 """Waiting for conditions instead of seconds, and processes that no test leaves behind."""
 
 import contextlib
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -20,8 +21,13 @@ def until(condition: Callable[[], Any], patience: float = PATIENCE) -> None:
 
 @contextlib.contextmanager
 def running(words: list[str], **options: Any) -> Iterator[subprocess.Popen]:
-    """A process that is gone at the end, whatever becomes of the test."""
-    with subprocess.Popen(words, **options) as process:
+    """A process that is gone at the end, whatever becomes of the test.
+
+    What a shell runs in the background ignores interrupts, and so do tests there and their
+    processes: this one heeds them.
+    """
+    heeding = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    with subprocess.Popen(words, preexec_fn=heeding, **options) as process:
         try:
             yield process
         finally:
