@@ -17,7 +17,8 @@ from tp_jax.recordings import Campaign, Recording
 RATE = 250.0
 DURATION = 2.0
 OMEGAS = (13.09, 8.0)
-CAPACITY = 64  # samples in a lane: one window of 0.25 s, two of 0.1 s
+CAPACITY = 1024
+"""Samples in a lane, as of most campaigns: the compiled programs are then those of other tests."""
 
 
 def numbers(recording: int) -> dict[str, float]:

@@ -94,7 +94,7 @@ def test_state_tangents(problem, linearised):
 
 
 def test_packing_does_not_matter():
-    together = bench_problem(0.1)  # two windows to a lane
+    together = bench_problem(0.1)  # several windows to a lane
     which = (0, 1, 5, 12, 21, 30)
     values, slots = bench_values(), ("k", "Ts1")
     # away from the truth, and some windows disturbed: a neighbour must not feel it
