@@ -11,7 +11,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import tp_jax as tp
 from tp_jax._files import replaced
 from tp_jax.cli.output import json_text
 from tp_jax.gap.diagnosis import Diagnosis
@@ -66,12 +65,6 @@ def _shell(cwd: Path, *args: str) -> str:
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done.stdout
-
-
-def wheel(shared: Path) -> Diagnosis:
-    """Of the Pohl wheel."""
-    folder = shared / "data" / "pohl_wheel"
-    return kept("pohl-wheel", lambda: tp.diagnose(tp.load_campaign(folder), seed=0).to_dict())
 
 
 _FILE = re.compile(r'^```python title="([^"]+)"\n(.*?)^```', re.DOTALL | re.MULTILINE)

@@ -1,4 +1,4 @@
-"""Decays of a column alone: a drag that few periods show, and nothing."""
+"""Decays of a column alone; scripts/nulls has those in which a weak drag is hidden, too."""
 
 import functools
 from pathlib import Path
@@ -49,15 +49,6 @@ def campaign(drag: float, seed: int) -> Campaign:
         name="sail", model="single", B1=None, B2=None, k=None, sample_rate=None,
         recordings=tuple(recordings), folder=Path(),
     )  # fmt: skip
-
-
-@pytest.mark.slow
-def test_a_weak_drag_is_named():
-    d = tp.diagnose(campaign(0.003, 2)).to_dict()
-    assert d["verdict"] == "explained"
-    assert [c["effect"] for c in d["causes"]] == ["bearing_drag"]
-    assert d["noise_floor"]["phi1"] == pytest.approx(SIGMA, rel=0.05)
-    assert d["gap"]["after"]["free_run"] < 1.1 * SIGMA
 
 
 @pytest.mark.slow

@@ -81,31 +81,3 @@ def test_prediction_says_what_is_missing(short_diagnosis):
         tp.predict(d, omega=3.0)
     with pytest.raises(InputError, match="no fit"):
         tp.predict({}, omega=3.0, duration=1.0, rate=10.0)
-
-
-def test_nothing_is_found_where_nothing_is_hidden(shared):
-    """A campaign with a key, from another simulator altogether; scripts/guard has the others."""
-    folder = shared / "examples" / "case-01"
-    if not folder.exists():
-        pytest.skip("the shared example case-01 is not here")
-    diagnosis = tp.diagnose(tp.load_campaign(folder), seed=0)
-    d = diagnosis.to_dict()
-    assert d["verdict"] == "no_gap"
-    assert diagnosis.causes == []
-    assert d["where"] == []
-
-
-def test_real_wheel(shared):
-    """Pohl wheel: the spring hardens; a zero offset explains what an asymmetry would."""
-    folder = shared / "data" / "pohl_wheel"
-    if not folder.exists():
-        pytest.skip("the Pohl wheel recording is not here")
-    diagnosis = kept.wheel(shared)
-    gap = diagnosis.to_dict()["gap"]
-    # a tilt of this size has the same cubic term, and is listed with it as not told apart
-    assert diagnosis.causes[0] in ("spring_hardening", "column_tilt")
-    # the drive is read some five milliseconds late, beside which nothing harms the prediction
-    assert diagnosis.causes[1:2] == ["drive_delay"]
-    assert gap["after"]["windowed"] <= 0.0045
-    assert 0.14 <= gap["before"]["free_run"] <= 0.17
-    assert gap["after"]["free_run"] <= 0.0125
