@@ -1,8 +1,8 @@
 """Waiting for conditions instead of seconds, and processes that no test leaves behind."""
 
 import contextlib
-import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -19,15 +19,21 @@ def until(condition: Callable[[], Any], patience: float = PATIENCE) -> None:
         time.sleep(0.01)
 
 
+HEEDING = (
+    "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); "
+    "os.execv(sys.argv[1], sys.argv[1:])"
+)
+
+
 @contextlib.contextmanager
 def running(words: list[str], **options: Any) -> Iterator[subprocess.Popen]:
     """A process that is gone at the end, whatever becomes of the test.
 
     What a shell runs in the background ignores interrupts, and so do tests there and their
-    processes: this one heeds them.
+    processes: this one heeds them. (It sees to that itself; a function called between fork and exec
+    would fork a process that has JAX's threads.)
     """
-    heeding = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
-    with subprocess.Popen(words, preexec_fn=heeding, **options) as process:
+    with subprocess.Popen([sys.executable, "-c", HEEDING, *words], **options) as process:
         try:
             yield process
         finally:
