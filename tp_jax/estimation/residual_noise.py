@@ -307,16 +307,16 @@ def _projected(table: np.ndarray):
     logdet = 2.0 * float(np.log(values[live]).sum())
     used = float(live.sum())
     rest = np.concatenate([y, F], axis=2)
-    rest = rest - basis @ (basis.transpose(0, 2, 1) @ rest)
-    y, F = rest[:, :, 0], rest[:, :, 1:]
-    A = np.einsum("wnp,wnq->pq", F, F)
-    value, vector = np.linalg.eigh(A)
+    rest -= basis @ (basis.transpose(0, 2, 1) @ rest)
+    flat = rest.reshape(-1, rest.shape[2])
+    products = flat.T @ flat
+    value, vector = np.linalg.eigh(products[1:, 1:])
     seen = value > 1e-8 * max(float(value.max(initial=0.0)), 1e-300)
     logdet += float(np.log(value[seen]).sum())
     used += float(seen.sum())
-    b = np.einsum("wnp,wn->p", F, y)
-    coefficients = vector[:, seen] @ ((vector[:, seen].T @ b) / value[seen])
-    by_window = ((y - F @ coefficients) ** 2).sum(axis=1)
+    coefficients = vector[:, seen] @ ((vector[:, seen].T @ products[1:, 0]) / value[seen])
+    weights = np.append(1.0, -coefficients)
+    by_window = ((flat @ weights).reshape(rest.shape[:2]) ** 2).sum(axis=1)
     return float(by_window.sum()), by_window, (logdet, used)
 
 

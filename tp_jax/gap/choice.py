@@ -90,11 +90,17 @@ class Choice:
 
 
 def choose(
-    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None]
-) -> Choice:
+    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None],
+    known: Refit | None = None,
+) -> Choice:  # fmt: skip
     """Adds causes one by one while the data inside the fit support them.
 
     Held-out data are not touched here.
+
+    Args:
+        setting, baseline, seed, progress: see `diagnose`.
+        known: causes as they were found under another noise. They are judged anew beside their
+            rivals; only the way to their optimum is not gone a second time.
     """
     current = Refit(baseline, ())
     rounds: list[Round] = []
@@ -140,7 +146,7 @@ def choose(
         left_now = max(removable(current.fit), 0.0)
         enough = max(SETTLED * left_now, BY_CHANCE * np.sqrt(2.0 * current.fit.dof))
         ranked = _worth_refitting(setting, seen, structure)[: REFITTED[n]]
-        ranked = _with_pair(seen, ranked)
+        ranked = _known_first(seen, _with_pair(seen, ranked), current, known)
         for i, s in enumerate(ranked):
             left = min((removable(r.fit) for r in refits.values()), default=np.inf)
             if i >= ALWAYS and left < enough:
@@ -149,7 +155,7 @@ def choose(
             if i == 0 and s.variant.effect.n_states:
                 # The other effects with states are a burden that many fits would carry.
                 current.fit.problem.programs.add({*current.ids, s.id})
-            trial = refit(setting, current.fit, [*current.variants, s.variant])
+            trial = _tried(setting, current, s, known)
             if i < ALWAYS:
                 trial = freed(setting, current.fit, trial)
                 if min(left, removable(trial.fit)) > enough:
@@ -223,6 +229,26 @@ def choose(
             progress("longer windows", None)
             sharp = lengthened(setting, sharp)
     return Choice(sharp_baseline.fit, tuple(rounds), sharp, tuple(tested))
+
+
+def _tried(setting: Setting, current: Refit, s: Scored, known: Refit | None) -> Refit:
+    """A refit with one more effect, from the optimum of these effects where it is known."""
+    if known is None or {*current.ids, s.id} != set(known.ids):
+        return refit(setting, current.fit, [*current.variants, s.variant])
+    found = {v.effect.id: v for v in known.variants}
+    both = [found[id] for id in (*current.ids, s.id)]
+    return refit(setting, current.fit, both, known=known.fit)
+
+
+def _known_first(
+    seen: Screen, ranked: list[Scored], current: Refit, known: Refit | None
+) -> list[Scored]:
+    """The effects to refit, a cause that was found before ahead of the others."""
+    if known is None:
+        return ranked
+    new = [id for id in known.ids if id not in current.ids][:1]
+    first = [s for s in seen.scored if s.id in new][:1]
+    return [*first, *(s for s in ranked if s.id not in new)]
 
 
 def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:

@@ -133,7 +133,7 @@ def _chosen(
         better, baseline = with_noise_of(setting, choice.final.fit, baseline)
         if better is not setting:
             looks = choice.looks
-            choice = choose(better, baseline, seed, progress)
+            choice = choose(better, baseline, seed, progress, choice.final)
             return better, dataclasses.replace(choice, looks=looks)
     return setting, choice
 

@@ -85,6 +85,7 @@ def refit(
     *,
     horizon: float | None = None,
     max_iterations: int = 20,
+    known: Fit | None = None,
 ) -> Refit:
     """Adds effects to a fit and finds the new optimum, coarsely: only the best is polished.
 
@@ -94,9 +95,15 @@ def refit(
         variants: effects with shape constants, those of `before` included.
         horizon: window length; that of `before` if None.
         max_iterations: see `least_squares.fit`.
+        known: a fit with all of these effects, under another noise say, whose numbers are the
+            start; the friction's smoothing is that of `before`.
     """
     unknowns = list(setting.unknowns())
     values = before.values
+    if known is not None:
+        smoothing = [setting.layout.index[name] for name in ("eps1", "eps2")]
+        values = known.values.replace({})
+        values.table[smoothing] = before.values.table[smoothing]
     zero1 = _resting(before)
     extra, anchors = nuisances([v.effect for v in variants], setting, setting.fitted, zero1)
     for v in variants:
@@ -108,6 +115,8 @@ def refit(
     if horizon is not None and horizon != problem.windows.horizon:
         problem = setting.problem(horizon)
         states = handed_on(before, problem)
+    if known is not None:
+        states = handed_on(known, problem)
     base = [a for a in setting.anchors() if a.unknown in unknowns]
     base = [a for a in base if a.unknown not in {b.unknown for b in anchors}]
     result = fit(
