@@ -28,8 +28,9 @@ def looked_at(noise, seed, rates):
 @pytest.mark.parametrize(
     ("noise", "seed", "rates", "levels"),
     [
-        # a tenth of a second is slow against 250 Hz and lies below every band without motion
-        (noisy.slow, 1, RATE, (1e-3,) * 4),
+        # a tenth of a second is slow against 250 Hz and lies below every band without motion; at
+        # seed 1, and one more of thirty (scripts/nulls), there is an alarm: the level is .05
+        (noisy.slow, 2, RATE, (1e-3,) * 4),
         # an error of .3 mrad, and a converter's of .44
         (noisy.coarse, 1, (100.0,) * 4, (5.35e-4,) * 4),
         (noisy.anticorrelated, 1, RATE, (1e-3,) * 4),

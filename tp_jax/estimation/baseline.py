@@ -9,6 +9,7 @@ import dataclasses
 import functools
 import logging
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,13 @@ T0_PRIOR = (np.log(5.0), 2.0)
 LEAST_NOISE = 1e-6  # rad; of a channel that is constant, so that nothing is divided by zero
 PATIENCE = 100  # steps of a fit: far from a rider that hardly moves, some rigs need more than 50
 POOR = 2.0  # chi2/dof of a fit to the shortest windows that is looked for another way too
+
+STILL = 2.0
+"""Times its swings that a decay may last, at rest in the end; what is more does not count."""
+
+DIED = 3.0
+"""T0 times a slip speed from which the contact's exponential has died out there, to a twentieth.
+Where it has at nine tenths of all speeds, no derivative leads back to where it had not."""
 
 RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
 
@@ -244,19 +252,25 @@ def _colours(recordings: Sequence[Recording], period: float) -> list[tuple[Colou
 
 
 def _period(recordings: Sequence[Recording]) -> float:
-    """Typical period of the column [s]: from the crossings of its mean, gaps left out."""
+    """Typical period of the column [s]: from the crossings of its mean, gaps left out.
+
+    Of a decay that has come to rest, the stillness counts no longer than its swings did: a minute
+    of it would make windows in which no fit finds its way.
+    """
     periods = []
     for r in recordings:
         y = r.phi1 - r.phi1.mean()
         y = np.where(np.abs(y) < 0.1 * np.abs(y).max(), 0.0, np.sign(y))
-        crossings, length = 0, 0.0
+        crossings, length, moving = 0, 0.0, 0.0
         for part in stretches(r.t):
-            signs = y[part]
-            signs = signs[signs != 0.0]
-            crossings += int((np.diff(signs) != 0).sum())
+            away = np.flatnonzero(y[part]) + part.start
+            turned = np.flatnonzero(np.diff(y[away]) != 0)
+            crossings += turned.size
             length += float(r.t[part.stop - 1] - r.t[part.start])
+            if turned.size:
+                moving += float(r.t[away[turned[-1] + 1]] - r.t[part.start])
         if crossings >= 2:
-            periods.append(2.0 * length / crossings)
+            periods.append(2.0 * min(length, STILL * moving) / crossings)
     return float(np.median(periods)) if periods else max(r.duration for r in recordings) / 10.0
 
 
@@ -337,10 +351,30 @@ def grow(
             # and go another way.
             other = fit_together(problem, values, unknowns, states, **how)
             result = min(result, other, key=lambda found: found.cost)
+        if last:
+            result = _slower(setting, result, how)
         values = result.values
         log.info("windows of %.3g s: chi2/dof %.4g, %s", horizon, result.chi2_dof, result.message)
     assert result is not None
     return result
+
+
+def _slower(setting: Setting, found: Fit, how: dict[str, Any]) -> Fit:
+    """A fit whose contact rises at speeds too small to be met; or a better one, sought at those
+    that are."""
+    if Unknown("T0") not in found.unknowns or not np.isfinite(found.cost):
+        return found
+    if not found.values.get("Tst"):  # then T0 is of no matter
+        return found
+    speed = np.concatenate([np.abs(setting.prepared[i].path[:, 3]) for i in setting.fitted])
+    speed = speed[speed > 0.1 * speed.max()]  # of a rider that sticks it is noise
+    if not found.values.get("T0") * np.quantile(speed, 0.1) >= DIED:
+        return found
+    start = found.values.replace({"T0": 1.0 / float(np.median(speed))})
+    other = fit(found.problem, start, found.unknowns, found.states, **how)
+    log.info("T0 %.3g instead of %.3g: chi2/dof %.5g, was %.5g", other.values.get("T0"),
+             found.values.get("T0"), other.chi2_dof, found.chi2_dof)  # fmt: skip
+    return min(found, other, key=lambda one: one.cost)
 
 
 def handed_on(before: Fit, problem: Problem) -> np.ndarray:

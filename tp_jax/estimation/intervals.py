@@ -1,8 +1,8 @@
 """Intervals of fitted numbers: from the noise, or from the scatter of blocks where that is more."""
 
 import numpy as np
-from scipy import stats
 
+from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.least_squares import Fit, parameter
@@ -36,7 +36,7 @@ def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
     telling = part.sum(axis=0) ** 2 / np.maximum((part**2).sum(axis=0), 1e-300)
     misfit = fit.chi2_dof if fit.chi2_dof > NOISE else 1.0
     excess = robust / np.maximum(misfit * np.diag(inverse), 1e-300)
-    beyond = excess > stats.chi2.isf(CHANCE, telling) / np.maximum(telling, 1e-300)
+    beyond = excess > tails.chi_square_level(CHANCE, telling) / np.maximum(telling, 1e-300)
     ratio = np.sqrt(misfit * np.where(beyond, np.maximum(excess, 1.0), 1.0))
     out, dof = np.zeros((free.size, free.size)), np.full(free.size, np.inf)
     out[np.ix_(free, free)] = inverse * np.outer(ratio, ratio)
@@ -59,7 +59,7 @@ def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
         spec = parameter(fit.problem, u)
         value = fit.values.get(u.name)
         sd = float(np.sqrt(max(cov[i, i], 0.0)))
-        t = float(stats.t.isf(0.025, dof[i]))
+        t = float(tails.student_level(0.025, dof[i]))
         if fit.at_bound[i]:
             out[u.name] = {
                 "value": value, "unit": spec.unit, "ci95": [value, None], "identifiable": False,

@@ -1,8 +1,9 @@
 """What the linearisation says about the data itself: detectable sizes, what is tied."""
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize
 
+from tp_jax import _tails as tails
 from tp_jax.gap.screen import Scored, Screen, pseudo_inverse
 
 POWER, FAMILY_WISE = 0.95, 0.05
@@ -11,8 +12,12 @@ TIED = 0.95  # |cos| of projected directions above which two effects are not tol
 
 def needed_noncentrality(q: int, tests: int) -> float:
     """Noncentrality at which a chi-square test of q amplitudes, one of many, has the power."""
-    critical = stats.chi2.isf(FAMILY_WISE / tests, q)
-    return float(optimize.brentq(lambda x: stats.ncx2.sf(critical, q, x) - POWER, 1e-3, 1e4))
+    critical = tails.chi_square_level(FAMILY_WISE / tests, q)
+
+    def short(noncentrality: float) -> float:
+        return float(tails.noncentral_chi_square(critical, q, noncentrality)) - POWER
+
+    return float(optimize.brentq(short, 1e-3, 1e4))
 
 
 def minimum_detectable(scored: Scored, tests: int, inflation: float) -> float | None:
@@ -39,26 +44,29 @@ def minimum_detectable(scored: Scored, tests: int, inflation: float) -> float | 
 
 def cosine(screen: Screen, a: Scored, b: Scored) -> float:
     """Largest |cos| between projected directions of two effects (canonical correlation)."""
-    Va = _inverse_root(screen.information[a.rows, a.rows])
-    Vb = _inverse_root(screen.information[b.rows, b.rows])
-    cross = Va @ screen.information[a.rows, b.rows] @ Vb
-    return (
-        float(np.clip(np.linalg.svd(cross, compute_uv=False)[0], 0.0, 1.0)) if cross.size else 0.0
-    )
+    return _cosine(screen, a, b, _inverse_root(screen, a), _inverse_root(screen, b))
 
 
-def _inverse_root(V: np.ndarray) -> np.ndarray:
-    inverse = pseudo_inverse(V)
+def _cosine(screen: Screen, a: Scored, b: Scored, of_a: np.ndarray, of_b: np.ndarray) -> float:
+    """The same from the roots of the inverse information of each."""
+    cross = of_a @ screen.information[a.rows, b.rows] @ of_b
+    if not cross.size:
+        return 0.0
+    return float(np.clip(np.linalg.svd(cross, compute_uv=False)[0], 0.0, 1.0))
+
+
+def _inverse_root(screen: Screen, scored: Scored) -> np.ndarray:
+    inverse = pseudo_inverse(screen.information[scored.rows, scored.rows])
     value, vector = np.linalg.eigh(0.5 * (inverse + inverse.T))
     return vector * np.sqrt(np.maximum(value, 0.0)) @ vector.T
 
 
 def tied_groups(screen: Screen) -> list[list[str]]:
     """Pairs of effects, at their best shapes, whose projected directions are nearly parallel."""
-    best = screen.best()
+    best = [(s, _inverse_root(screen, s)) for s in screen.best()]
     groups = []
-    for i, a in enumerate(best):
-        for b in best[i + 1 :]:
-            if cosine(screen, a, b) > TIED:
+    for i, (a, of_a) in enumerate(best):
+        for b, of_b in best[i + 1 :]:
+            if _cosine(screen, a, b, of_a, of_b) > TIED:
                 groups.append(sorted([a.id, b.id]))
     return groups

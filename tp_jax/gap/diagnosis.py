@@ -125,11 +125,13 @@ def _chosen(
     Where the data alone do not say what colour the noise has, what the baseline leaves does, and
     some of that may be gap. What the causes leave says it better; then all is judged anew.
     """
-    setting, baseline = with_noise_of(setting, baseline, baseline)
+    asked = baseline.chi2_dof < POLICY.noise.below
+    if asked:
+        setting, baseline = with_noise_of(setting, baseline, baseline)
     choice = choose(setting, baseline, seed, progress)
     if all(not r.forced for r in setting.recordings):
         setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
-    if choice.final.ids:
+    if choice.final.ids or not asked:
         better, baseline = with_noise_of(setting, choice.final.fit, baseline)
         if better is not setting:
             looks = choice.looks

@@ -22,8 +22,8 @@ Source: Zhang, Lin (2003), Biostatistics 4, 57-74, for the test of a variance at
 import dataclasses
 
 import numpy as np
-from scipy import stats
 
+from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.least_squares import Fit
@@ -105,7 +105,7 @@ def free_structure(
             if not (mean > 0.0 and phi > 0.0):
                 continue
             ratio = float((z**2 / (1.0 + tau * value)).sum() / (mean * phi))
-            p = float(stats.f.sf(ratio / known, mean**2 / square, max(fit.dof, 1)))
+            p = float(tails.ratio(ratio / known, mean**2 / square, max(fit.dof, 1)))
             if p < best.p or not best.source:
                 best = FreeStructure(p, name, ratio)
     return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))

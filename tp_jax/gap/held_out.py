@@ -7,8 +7,8 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
 
+from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.layout import Values
@@ -227,6 +227,7 @@ def shrink(
     if n == 1:
         return Shrink(float(value), None, True)
     if n < FEW:
-        wider = stats.t.isf(0.025, n - 1) / stats.norm.isf(0.025) * np.sqrt(n / (n - 1))
+        level, usual = (tails.student_level(0.025, dof) for dof in (n - 1, np.inf))
+        wider = level / usual * np.sqrt(n / (n - 1))
         low, high = value - wider * (value - low), value + wider * (high - value)
     return Shrink(float(value), (float(min(low, value)), float(max(high, value))), True)

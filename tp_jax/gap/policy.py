@@ -130,6 +130,20 @@ class VerdictPolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class NoisePolicy:
+    """When what a model leaves is asked for the noise.
+
+    Attributes:
+        below: chi^2/dof of the baseline, under the noise that the data alone show, from which its
+            residuals are not asked before causes are in: a rest so large is gap for the most part,
+            which would pass for very slow noise. Slow noise of nine tenths of the variance, beside
+            a tenth that the data show, is as large.
+    """
+
+    below: float = 10.0
+
+
+@dataclasses.dataclass(frozen=True)
 class HorizonPolicy:
     """How long the windows are over which a choice is made.
 
@@ -155,6 +169,7 @@ class Policy:
     backward: BackwardPolicy = BackwardPolicy()
     structure: StructurePolicy = StructurePolicy()
     verdict: VerdictPolicy = VerdictPolicy()
+    noise: NoisePolicy = NoisePolicy()
     horizon: HorizonPolicy = HorizonPolicy()
 
 

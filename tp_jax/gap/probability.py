@@ -23,8 +23,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.special import softmax
-from scipy.stats import chi2
 
+from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.backward import Tested
@@ -160,7 +160,9 @@ def weights(found: Densities, policy: FoldPolicy = POLICY.folds) -> np.ndarray:
     # hypotheses that predict alike would not share alike.
     dispersion = count_of * np.maximum(dispersion, 1.0)
     quantiles = (np.arange(policy.quantiles) + 0.5) / policy.quantiles
-    power = chi2.ppf(quantiles[:, None] * chi2.cdf(dispersion, count_of), count_of) / dispersion
+    power = tails.chi_square_quantile(
+        quantiles[:, None] * tails.chi_square_below(dispersion, count_of), count_of
+    ) / dispersion  # fmt: skip
     return softmax(power * (total - total[best]) + prior, axis=1).mean(axis=0)
 
 

@@ -21,8 +21,8 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
 
+from tp_jax import _tails as tails
 from tp_jax.gap.screen import Screen, pseudo_inverse
 
 DRAWS = 2000
@@ -50,15 +50,15 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     if not seen.scored:
         return Structure(1.0, np.ones(0), 0)
     V = seen.information_by_block
-    forms = [_Form(V[:, s.rows, s.rows]) for s in seen.scored]
+    forms = _Forms([_Form(V[:, s.rows, s.rows]) for s in seen.scored], seen)
     blocks = np.zeros(V.shape[:2])
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
-    observed = _statistics(blocks[None], seen, forms)[:, 0]
+    observed = _statistics(blocks[:, :, None], forms)[:, 0]
     root = _roots(seen.by_block)
     rng = np.random.default_rng(seed)
     largest = np.concatenate([
-        _statistics(_drawn(root, seen, rng), seen, forms).max(axis=0)
+        _statistics(_drawn(root, seen, rng), forms).max(axis=0)
         for _ in range(DRAWS // CHUNK)
     ])  # fmt: skip
     p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
@@ -66,13 +66,11 @@ def structure_test(seen: Screen, seed: int) -> Structure:
 
 
 def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarray:
-    """Scores (CHUNK, B, E) of noise alone, after the unknowns have been fitted to it."""
-    normal = rng.standard_normal((CHUNK, *root.shape[:2]))
-    both = np.einsum("bij,dbj->dbi", root, normal, optimize=True)
+    """Scores (B, E, CHUNK) of noise alone, after the unknowns have been fitted to it."""
+    both = root @ rng.standard_normal((*root.shape[:2], CHUNK))
     n = len(seen.information)
-    scores, gradients = both[:, :, :n], both[:, :, n:].sum(axis=1)
-    step = gradients @ seen.covariance
-    return scores - np.einsum("beu,du->dbe", seen.by_block[:, :n, n:], step, optimize=True)
+    step = seen.covariance @ both[:, n:].sum(axis=0)
+    return both[:, :n] - seen.by_block[:, :n, n:] @ step
 
 
 def _roots(V: np.ndarray) -> np.ndarray:
@@ -96,28 +94,48 @@ class _Form:
         self.telling = np.flatnonzero(trace > TELLING * max(trace.mean(), 1e-300))
         value, vector = np.linalg.eigh(V[self.telling])
         live = value > 1e-6 * value[:, -1:]
-        # rows whose squares sum to s_b' V_b^-1 s_b
+        # rows whose squares sum to s_b' V_b^-1 s_b; of blocks that say nothing, zero
         inverse_root = np.where(live, 1.0 / np.sqrt(np.where(live, value, 1.0)), 0.0)
-        self.whiten = inverse_root[:, :, None] * vector.transpose(0, 2, 1)
+        self.whiten = np.zeros_like(V)
+        self.whiten[self.telling] = inverse_root[:, :, None] * vector.transpose(0, 2, 1)
         self.rank = int(np.linalg.matrix_rank(self.inverse, hermitian=True))
         self.count = int(live.sum())
 
 
-def _statistics(blocks: np.ndarray, seen: Screen, forms: Sequence[_Form]) -> np.ndarray:
-    """-log p of F of every variant (variants, draws), from scores (draws, B, E)."""
-    explained = np.zeros((len(forms), blocks.shape[0]))
+class _Forms:
+    """Those of all variants; those with as many amplitudes are taken together.
+
+    alike: by number of amplitudes, which variants (v,), their columns (v, q) and inverses
+    (v, q, q), and what whitens their blocks (B, v, q, q); rank, count: (variants, 1).
+    """
+
+    def __init__(self, forms: Sequence[_Form], seen: Screen):
+        columns = [np.arange(s.rows.start, s.rows.stop) for s in seen.scored]
+        sizes = np.array([len(c) for c in columns])
+        self.alike = []
+        for q in np.unique(sizes):
+            which = np.flatnonzero(sizes == q)
+            inverse = np.stack([forms[i].inverse for i in which])
+            whiten = np.stack([forms[i].whiten for i in which], axis=1)
+            self.alike.append((which, np.stack([columns[i] for i in which]), inverse, whiten))
+        self.rank = np.array([f.rank for f in forms])[:, None]
+        self.count = np.array([f.count for f in forms])[:, None]
+
+
+def _statistics(blocks: np.ndarray, forms: _Forms) -> np.ndarray:
+    """-log p of F of every variant (variants, draws), from scores (B, E, draws)."""
+    rank, count = forms.rank, forms.count
+    explained = np.zeros((len(rank), blocks.shape[2]))
     spread = np.zeros_like(explained)
-    for i, (s, form) in enumerate(zip(seen.scored, forms, strict=True)):
-        mine = blocks[:, :, s.rows]
-        total = mine.sum(axis=1)
-        explained[i] = np.einsum("dq,qr,dr->d", total, form.inverse, total, optimize=True)
-        white = np.einsum("bqr,dbr->dbq", form.whiten, mine[:, form.telling], optimize=True)
-        spread[i] = (white**2).sum(axis=(1, 2))
-    rank = np.array([f.rank for f in forms])[:, None]
-    count = np.array([f.count for f in forms])[:, None]
+    totals = blocks.sum(axis=0)
+    for which, columns, inverse, whiten in forms.alike:
+        total = totals[columns]  # (v, q, draws)
+        explained[which] = (inverse @ total * total).sum(axis=1)
+        for scores, rows in zip(blocks, whiten, strict=True):
+            spread[which] += ((rows @ scores[columns]) ** 2).sum(axis=1)
     usual = np.median(spread / np.maximum(count, 1), axis=0)
     phi = (spread + LENT * usual) / (count + LENT)
     F = explained / np.maximum(rank * phi, 1e-300)
     # one scale for effects of different numbers of amplitudes; exactness is not needed
     nobody = (rank == 0) | (count + LENT <= rank)
-    return np.where(nobody, 0.0, -stats.f.logsf(F, np.maximum(rank, 1), count + LENT))
+    return np.where(nobody, 0.0, -np.log(tails.ratio(F, np.maximum(rank, 1), count + LENT)))

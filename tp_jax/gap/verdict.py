@@ -2,8 +2,7 @@
 
 import dataclasses
 
-from scipy import stats
-
+from tp_jax import _tails as tails
 from tp_jax.gap.held_out import Shrink
 from tp_jax.gap.policy import POLICY, Policy, StructurePolicy
 
@@ -81,6 +80,6 @@ def combined(
         excess_z: standard errors by which the misfit exceeds the noise.
         policy: their parts of the level.
     """
-    misfit_p = float(stats.norm.sf(excess_z))
+    misfit_p = float(tails.normal(excess_z))
     parts = catalogue_p / policy.catalogue, free_p / policy.free, misfit_p / policy.misfit
     return min(*parts, 1.0)

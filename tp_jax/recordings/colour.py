@@ -109,8 +109,6 @@ class Colour:
         """
         if self.is_white or not x.size:
             return x
-        from scipy import signal  # a second of loading that white noise need not wait for
-
         theta, innovation = _innovations(self.neighbours, self.rho)
         head = _head(self.neighbours, self.rho)
         x = np.moveaxis(x, axis, 0)
@@ -119,8 +117,17 @@ class Colour:
         if k == len(x):
             return np.moveaxis(first, 0, axis)
         taps = np.array([1.0, -self.rho]) / innovation
-        memory = (taps[1] * x[k - 1] - theta * first[-1])[None]
-        rest, _ = signal.lfilter(taps, [1.0, theta], x[k:], axis=0, zi=memory)
+        rest = taps[0] * x[k:] + taps[1] * x[k - 1 : -1]
+        if theta:
+            # here, so that recording does not wait for it; scipy.signal's filter takes a second to
+            # load
+            from scipy.linalg import lapack
+
+            rest[0] -= theta * first[-1]
+            band = np.ones((2, len(rest)))  # what is left is x_n + theta x_(n-1), lower triangular
+            band[1] = theta
+            solved, _ = lapack.dtbtrs(band, rest.reshape(len(rest), -1), uplo="L")
+            rest = solved.reshape(rest.shape)
         return np.moveaxis(np.concatenate([first, rest]), 0, axis)
 
     def log_determinant(self, n: int) -> float:
