@@ -64,6 +64,15 @@ def test_a_decay_that_has_come_to_rest_has_about_the_period_of_its_swings(rest):
     assert 0.38 < prepare_campaign(campaign).period < 0.9
 
 
+def test_a_decay_without_a_swing_has_the_period_of_four_quarters():
+    """Heavily damped, and still for most of its recording."""
+    t = np.arange(0.0, 40.0, 0.005)
+    rng = np.random.default_rng(0)
+    fall = np.exp(-6.0 * t) * np.cos(2.0 * np.pi * t / 0.8) + 0.002 * rng.normal(size=t.size)
+    campaign = Campaign.from_arrays([Recording.from_arrays(t, fall)], model="single")
+    assert 0.3 < prepare_campaign(campaign).period < 1.0
+
+
 def test_start_from_the_data_alone(setting):
     start = initial_values(setting)
     for name in ("k", "A", "B2"):

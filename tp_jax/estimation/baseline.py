@@ -255,13 +255,17 @@ def _period(recordings: Sequence[Recording]) -> float:
     """Typical period of the column [s]: from the crossings of its mean, gaps left out.
 
     Of a decay that has come to rest, the stillness counts no longer than its swings did: a minute
-    of it would make windows in which no fit finds its way.
+    of it would make windows in which no fit finds its way. One that hardly swings tells a quarter
+    of a period, until it is first near where it ends; that counts where nothing swings.
     """
-    periods = []
+    periods, quarters = [], []
     for r in recordings:
         y = r.phi1 - r.phi1.mean()
         y = np.where(np.abs(y) < 0.1 * np.abs(y).max(), 0.0, np.sign(y))
         crossings, length, moving = 0, 0.0, 0.0
+        near = np.flatnonzero(y == 0.0)
+        if near.size and near[0] > 0:
+            quarters.append(float(r.t[near[0]] - r.t[0]))
         for part in stretches(r.t):
             away = np.flatnonzero(y[part]) + part.start
             turned = np.flatnonzero(np.diff(y[away]) != 0)
@@ -271,7 +275,9 @@ def _period(recordings: Sequence[Recording]) -> float:
                 moving += float(r.t[away[turned[-1] + 1]] - r.t[part.start])
         if crossings >= 2:
             periods.append(2.0 * min(length, STILL * moving) / crossings)
-    return float(np.median(periods)) if periods else max(r.duration for r in recordings) / 10.0
+    if periods or quarters:
+        return float(np.median(periods or 4.0 * np.array(quarters)))
+    return max(r.duration for r in recordings) / 10.0
 
 
 def _horizons(period: float, step: float, typical: float) -> tuple[float, ...]:

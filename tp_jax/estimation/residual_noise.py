@@ -52,6 +52,9 @@ class ResidualNoisePolicy:
         slow: see `least`.
         left: mean square that may be left, over that which high-order differences see under the
             same colour, for it to be noise.
+        coarse: standard deviations of the noise from which a converter's steps hide it. Their
+            errors go with the motion in part, and count as noise all the same: a level does not
+            fall for it.
         samples: below which residuals say nothing of a colour.
     """
 
@@ -66,6 +69,7 @@ class ResidualNoisePolicy:
     least: float = 0.05
     slow: float = 1.1
     left: float = 1.25
+    coarse: float = 2.0
     samples: int = 50
 
 
@@ -130,6 +134,9 @@ def residual_noise(
             if found is None:
                 continue
             colour, rise = found
+            steps = [quantum(setting.recordings[i].channels[CHANNELS[c]]) for i in mine]
+            if np.median(steps) > policy.coarse * np.median(setting.levels[mine, c]):
+                rise = max(rise, 1.0)
             seen = _seen([setting.recordings[i] for i in mine], c, colour)
             left = float(np.median((rise * setting.levels[mine, c] / seen) ** 2))
             log.info("noise of channel %d: %s, left %.3g of what differences see",

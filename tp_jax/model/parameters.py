@@ -146,8 +146,8 @@ NUISANCES = (
     Parameter(
         "level",
         "rad",
-        -10.0,
-        10.0,
+        -1e6,  # as wide as its gain: readings may be counts, far from zero
+        1e6,
         typical=0.1,
         description="rest position, as read, under a measured drive",
     ),
