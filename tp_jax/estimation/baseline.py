@@ -377,7 +377,11 @@ def _slower(setting: Setting, found: Fit, how: dict[str, Any]) -> Fit:
     if not found.values.get("T0") * np.quantile(speed, 0.1) >= DIED:
         return found
     start = found.values.replace({"T0": 1.0 / float(np.median(speed))})
-    other = fit(found.problem, start, found.unknowns, found.states, **how)
+    # held there first, or the others, which are those of another contact, would drive it back
+    others = [u for u in found.unknowns if u.name != "T0"]
+    anchors = [a for a in how["anchors"] if a.unknown.name != "T0"]
+    held = fit(found.problem, start, others, found.states, **{**how, "anchors": anchors})
+    other = fit(found.problem, held.values, found.unknowns, held.states, **how)
     log.info("T0 %.3g instead of %.3g: chi2/dof %.5g, was %.5g", other.values.get("T0"),
              found.values.get("T0"), other.chi2_dof, found.chi2_dof)  # fmt: skip
     return min(found, other, key=lambda one: one.cost)
