@@ -113,7 +113,7 @@ def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
         name = "tp-jax"
 
     class Bench:
-        scale, ours, tell = Scale(pairs=2), Ours, print
+        scale, ours, tell, against = Scale(pairs=2), Ours, print, None
 
     def command(out, campaign):  # takes a megabyte where there is a cache, or a hundred
         kept = out.parent / "kept"
@@ -135,6 +135,41 @@ def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
     monkeypatch.setattr(diagnosis, "_command", lambda *_: [sys.executable, "-c", "print(1 / 0)"])
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
         diagnosis.measure(Bench)
+
+
+def test_two_checkouts_are_compared_stage_by_stage(monkeypatch):
+    from scripts._bench import checkouts
+    from scripts._bench.measures import diagnosis
+    from scripts._bench.problem import Scale
+
+    def printed(factor, shrink):
+        stages = ["loading", "fitting windows of 0.2 s", "fitting windows of 0.5 s", "screening x"]
+        return checkouts.read({
+            "stages": [[stage, factor] for stage in stages], "verdict": "explained",
+            "causes": ["column_tilt"], "shrink": shrink,
+        })  # fmt: skip
+
+    def compared(ref, rounds, tell):
+        assert (ref, rounds) == ("HEAD~1", 2)
+        return {"example": {"here": [printed(1.0, 0.9)] * 2, ref: [printed(3.0, 0.9)] * 2}}
+
+    class Bench:
+        scale, against, tell = Scale(pairs=2), "HEAD~1", print
+
+    monkeypatch.setattr(checkouts, "compared", compared)
+    numbers, rows = diagnosis.measure(Bench)
+    assert numbers["example"]["here"]["baseline"] == 2.0
+    told = {row.who: row.value for row in rows}
+    assert told["in all"] == "12.0 → 4.0 CPU s, 0.33 times"
+    assert told["verdict and causes"] == "the same"
+
+
+def test_the_other_checkout_must_be_known(tmp_path):
+    from scripts._bench import checkouts
+    from tp_jax.errors import InputError
+
+    with pytest.raises(InputError, match="--against no-such-commit: git knows no such commit"):
+        checkouts.unpacked("no-such-commit", tmp_path)
 
 
 def timed(name, median, error, ours_over):

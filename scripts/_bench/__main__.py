@@ -59,6 +59,11 @@ def _parser() -> Parser:
         "--draws-duration", metavar="S", type=positive, default=10.0,
         help="seconds of a run of the robustness (default 10)",
     )  # fmt: skip
+    parser.add_argument(
+        "--against", metavar="REF",
+        help="with --only diagnosis: CPU seconds by stage beside those of this commit, on four "
+        "campaigns",
+    )  # fmt: skip
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
@@ -89,7 +94,7 @@ def _bench(args: argparse.Namespace) -> int:
     wanted = tuple(name for name in peers.MODULES if name == "ours" or name in args.peers)
     found, notes = peers.load(wanted)
     scale = problem.QUICK if args.quick else problem.Scale()
-    bench = Bench(scale, found, _tell, args.draws_duration)
+    bench = Bench(scale, found, _tell, args.draws_duration, args.against)
 
     numbers, rows = {}, []
     for name in args.only:

@@ -29,6 +29,7 @@ class Bench:
         peers: ours first.
         tell: takes one line on what is going on.
         draws_duration: seconds of a run in the robustness.
+        against: commit whose diagnosis is run beside this checkout's; None: this one's alone.
         chosen: kept by `tolerance`.
     """
 
@@ -36,6 +37,7 @@ class Bench:
     peers: list[Peer]
     tell: Callable[[str], None]
     draws_duration: float = 10.0
+    against: str | None = None
     chosen: dict[tuple[str, float], tuple[float, float]] = field(default_factory=dict)
 
     @property

@@ -10,8 +10,9 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
+from .. import checkouts
 from ..bench import Bench
-from ..rows import Row, duration, held
+from ..rows import Row, duration, held, plain
 from ..timing import spread
 
 COLD = 2  # caches that begin empty
@@ -37,6 +38,8 @@ class Took(NamedTuple):
 
 def measure(b: Bench) -> tuple[dict, list[Row]]:
     """{"cold", "warm": {"seconds": {median, low, high}, "gigabytes"}} of all calls of a kind."""
+    if b.against is not None:
+        return _beside(b, b.against)
     calls: dict[str, list[Took]] = {"cold": [], "warm": []}
     for k in range(COLD):
         with tempfile.TemporaryDirectory() as folder:
@@ -55,6 +58,25 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
                  duration(seconds.median)),
             held("diagnosis memory", "diagnosis", case, name, most, f"{most:.3g} GB"),
         ]  # fmt: skip
+    return numbers, rows
+
+
+def _beside(b: Bench, ref: str) -> tuple[dict, list[Row]]:
+    """{campaign: {checkout: {stage: CPU seconds}, "answers": {checkout: answer}}}."""
+    numbers, rows = {}, []
+    for campaign, found in checkouts.compared(ref, b.scale.pairs, b.tell).items():
+        took = {name: checkouts.medians(several) for name, several in found.items()}
+        answers = {name: several[0].answer for name, several in found.items()}
+        numbers[campaign] = {**took, "answers": answers}
+        then, now = took[ref], took[checkouts.HERE]
+        for stage in now:
+            words = f"{then.get(stage, 0.0):.1f} → {now[stage]:.1f} CPU s"
+            if stage == "in all":
+                words += f", {now[stage] / then[stage]:.2f} times"
+            rows.append(plain("diagnosis", campaign, stage, words))
+        same = answers[ref][:2] == answers[checkouts.HERE][:2]
+        told = "the same" if same else f"{answers[ref]} → {answers[checkouts.HERE]}"
+        rows.append(plain("diagnosis", campaign, "verdict and causes", told))
     return numbers, rows
 
 
