@@ -225,7 +225,8 @@ def test_a_skew_is_corrected_and_sampling_stays_uniform(tmp_path, monkeypatch):
     assert rig.firmware.rig.started[0][0] == pytest.approx(10.0 * 1.002)
     clock = done.metadata["clock"]
     assert clock["applied"]
-    assert clock["skew"] == pytest.approx(2000e-6, abs=200e-6)
+    # samples that a busy machine has kept waiting make the skew less certain, and say so
+    assert clock["skew"] == pytest.approx(2000e-6, abs=max(200e-6, 4.0 * clock["skew_error"]))
     t = table(out)[:, 0]
     np.testing.assert_allclose(t, np.arange(4001) / 1000 / (1.0 + clock["skew"]), rtol=1e-15)
     assert np.ptp(np.diff(t)) < 1e-14

@@ -30,6 +30,7 @@ KINK = 1.0  # a settled window that promises to gain more than this will not kee
 #: counts as nothing may not be kept.
 NOISE = 30.0
 BENIGN = 0.5  # of a promise kept: then the windows' states can go on together with the unknowns
+HAIR = 1e-12  # of a value: the way through its coordinate and back costs so much at the most
 UNSETTLED = 0.05  # of a step's promise, shared by the windows: less is not worth an evaluation
 
 
@@ -111,7 +112,7 @@ def fit(
             new_x = np.array(
                 [float(s.from_coordinate(v)) for s, v in zip(specs, u + step.du, strict=True)]
             )
-            new_x = np.clip(new_x, *limits.T)
+            new_x = _within(new_x, limits)
             new_values = values.put(unknowns, new_x)
             new_states = states + own + np.einsum("wxu,u->wx", elim.state_gain, step.du)
             new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
@@ -156,6 +157,13 @@ def fit(
         problem, values, states, unknowns, cost, elim, lin, at_bound, converged,
         math.ceil(passes), message, tuple(anchors),
     )  # fmt: skip
+
+
+def _within(x: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """Values within their limits (u, 2); at one where only rounding keeps them from it."""
+    hair = HAIR * np.abs(x)
+    x = np.where(x <= limits[:, 0] + hair, limits[:, 0], x)
+    return np.where(x >= limits[:, 1] - hair, limits[:, 1], x)
 
 
 def _anchor_cost(
