@@ -5,13 +5,15 @@ import pytest
 
 from tests import noisy
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.sharpen import sharpened
 from tp_jax.gap.choice import misfits
-from tp_jax.gap.diagnosis import with_noise_of
+from tp_jax.gap.diagnosis import alike, with_noise_of
 from tp_jax.gap.held_out import squares
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.screen import screen
 from tp_jax.gap.structure import structure_test
+from tp_jax.recordings import Colour
 
 RATE, FAST = (250.0,) * 4, (250.0, 2000.0, 250.0, 2000.0)
 
@@ -54,3 +56,23 @@ def test_nothing_hidden_is_nothing_found(noise, seed, rates, levels):
     noise2 = np.average(setting.levels**2, axis=0, weights=[p.t.size for p in setting.prepared])
     chance = left.chance(np.sqrt(noise2))
     assert left.mean_square() / noise2.mean() == pytest.approx(1.0, abs=0.02 + 3.0 * chance)
+
+
+@pytest.mark.parametrize(
+    ("louder", "neighbours", "rho", "same"),
+    [
+        (1.02, 0.32, 0.52, True),
+        (1.10, 0.30, 0.50, False),
+        (1.00, 0.40, 0.50, False),
+        (1.00, 0.30, 0.80, False),  # as little from sample to sample, and lasting longer
+    ],
+)
+def test_causes_are_chosen_anew_only_under_another_noise(louder, neighbours, rho, same):
+    """Two that were nearly tied changed places for a hundredth of the noise's level."""
+    bare = prepare_campaign(noisy.campaign(noisy.white, 1, RATE), effects=())
+
+    def with_colour(factor, *numbers):
+        return with_noise(bare, factor * bare.levels, [(Colour(*numbers),) * 2] * 4)
+
+    one, other = with_colour(1.0, 0.3, 0.5), with_colour(louder, neighbours, rho)
+    assert alike(one, other) == alike(other, one) == same

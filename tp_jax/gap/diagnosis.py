@@ -34,7 +34,7 @@ from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.notes import elsewhere, notes
-from tp_jax.gap.policy import POLICY
+from tp_jax.gap.policy import POLICY, NoisePolicy
 from tp_jax.gap.refit import Refit, lengthened, removable
 from tp_jax.gap.relative import told
 from tp_jax.gap.screen import Scored, screen
@@ -132,12 +132,29 @@ def _chosen(
     if all(not r.forced for r in setting.recordings):
         setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
     if choice.final.ids or not asked:
-        better, baseline = with_noise_of(setting, choice.final.fit, baseline)
-        if better is not setting:
+        if not alike(setting, with_residual_noise(setting, choice.final.fit)):
+            better, again = with_noise_of(setting, choice.final.fit, baseline)
             looks = choice.looks
-            choice = choose(better, baseline, seed, progress, choice.final)
+            choice = choose(better, again, seed, progress, choice.final)
             return better, dataclasses.replace(choice, looks=looks)
     return setting, choice
+
+
+def alike(one: Setting, other: Setting, policy: NoisePolicy = POLICY.noise) -> bool:
+    """Whether a campaign has about the same noise in both."""
+    ratio = np.abs(np.log(one.levels / other.levels))[one.fitted]
+    if ratio.max() > policy.level:
+        return False
+    pairs = [
+        pair
+        for i in one.fitted
+        for pair in zip(one.prepared[i].colour, other.prepared[i].colour, strict=True)
+    ]
+    return all(
+        abs(a.neighbours - b.neighbours) <= policy.correlation
+        and max(a.slow, b.slow) <= policy.slow * min(a.slow, b.slow)
+        for a, b in pairs
+    )
 
 
 def _looked_longer(

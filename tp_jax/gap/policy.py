@@ -134,12 +134,20 @@ class NoisePolicy:
     """When what a model leaves is asked for the noise.
 
     Attributes:
+        level: relative change of a standard deviation, and
+        correlation: change of the correlation of neighbours, and
+        slow: ratio of what slowness adds to the error of a mean, up to which the noise that causes
+            leave is the one they were chosen under: a choice anew would only throw the dice of what
+            is nearly tied again.
         below: chi^2/dof of the baseline, under the noise that the data alone show, from which its
             residuals are not asked before causes are in: a rest so large is gap for the most part,
             which would pass for very slow noise. Slow noise of nine tenths of the variance, beside
             a tenth that the data show, is as large.
     """
 
+    level: float = 0.05
+    correlation: float = 0.05
+    slow: float = 1.15
     below: float = 10.0
 
 
