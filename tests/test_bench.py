@@ -162,6 +162,7 @@ def test_two_checkouts_are_compared_stage_by_stage(monkeypatch):
     told = {row.who: row.value for row in rows}
     assert told["in all"] == "12.0 → 4.0 CPU s, 0.33 times"
     assert told["verdict and causes"] == "the same"
+    assert told["shrink"] == "0.900 → 0.900"
 
 
 def test_the_other_checkout_must_be_known(tmp_path):

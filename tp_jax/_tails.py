@@ -13,11 +13,6 @@ def normal(z: ArrayLike) -> np.ndarray:
     return special.ndtr(-np.asarray(z))
 
 
-def chi_square(x: ArrayLike, dof: ArrayLike) -> np.ndarray:
-    """Probability that chi squared exceeds x."""
-    return special.chdtrc(dof, x)
-
-
 def chi_square_level(p: ArrayLike, dof: ArrayLike) -> np.ndarray:
     """What chi squared exceeds with probability p."""
     return special.chdtri(dof, p)
@@ -38,11 +33,11 @@ def noncentral_chi_square(x: ArrayLike, dof: ArrayLike, noncentrality: ArrayLike
     return 1.0 - special.chndtr(x, dof, noncentrality)
 
 
-def ratio(F: ArrayLike, dof: ArrayLike, below: ArrayLike) -> np.ndarray:
+def fisher(F: ArrayLike, dof: ArrayLike, below: ArrayLike) -> np.ndarray:
     """Probability that Fisher's F, of degrees of freedom above and below, exceeds a value."""
     return special.fdtrc(dof, below, F)
 
 
 def student_level(p: ArrayLike, dof: ArrayLike) -> np.ndarray:
     """What Student's t exceeds with probability p."""
-    return special.stdtrit(dof, 1.0 - np.asarray(p))
+    return -special.stdtrit(dof, p)

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -105,7 +105,9 @@ def unpacked(ref: str, folder: Path) -> Path:
     return folder
 
 
-def compared(ref: str, rounds: int, tell) -> dict[str, dict[str, list[Diagnosed]]]:
+def compared(
+    ref: str, rounds: int, tell: Callable[[str], None]
+) -> dict[str, dict[str, list[Diagnosed]]]:
     """Warm diagnoses by campaign and checkout (`HERE`, ref), in turns."""
     found: dict[str, dict[str, list[Diagnosed]]] = {}
     with tempfile.TemporaryDirectory() as text:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from tests import noisy
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 from tp_jax.estimation.residual_noise import (
     with_residual_noise,
@@ -163,6 +164,15 @@ def test_rounding_is_white(right):
     """Whatever is found in its residuals: most of the noise is the converter's."""
     setting, fit = baseline(right, lambda rng, shape: 0.1 * coloured(rng, shape), step=4.0 * SIGMA)
     assert with_residual_noise(setting, fit) is setting
+
+
+def test_rounding_that_goes_with_the_motion_lowers_no_level():
+    """Seen at this seed: a level a twelfth too low, and an alarm for its size."""
+    setting = prepare_campaign(noisy.campaign(noisy.coarse, 28, (100.0,) * 4), effects=())
+    fit = grow(setting, initial_values(setting), setting.unknowns())
+    found = with_residual_noise(setting, fit)
+    assert found is not setting
+    assert (found.levels >= (1.0 - 1e-12) * setting.levels).all()
 
 
 def test_what_the_data_say_of_one_channel_is_asked_again(right):

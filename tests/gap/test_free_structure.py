@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.rigs import synthetic_campaign, synthetic_values
+from tp_jax.estimation import noise_levels
 from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.least_squares import fit as fit_windows
@@ -65,7 +66,7 @@ def test_a_zero_that_wanders_a_little(fitted, sensor):
 
 def test_rounding_that_goes_with_the_motion_is_not_asked(fitted, monkeypatch):
     setting, fit = fitted
-    monkeypatch.setattr(module, "quantum", lambda _: 1.0)
+    monkeypatch.setattr(noise_levels, "quantum", lambda _: 1.0)
     found = free_structure(setting, fit)
     assert (found.p, found.source) == (1.0, "")
 

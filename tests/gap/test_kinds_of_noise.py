@@ -1,5 +1,7 @@
 """Whatever the noise is like, a rig with nothing hidden raises no alarm, and its size is known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from tests import noisy
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.sharpen import sharpened
+from tp_jax.gap import diagnosis
 from tp_jax.gap.choice import misfits
 from tp_jax.gap.diagnosis import alike, with_noise_of
 from tp_jax.gap.held_out import squares
@@ -28,34 +31,66 @@ def looked_at(noise, seed, rates):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("noise", "seed", "rates", "levels"),
+    ("noise", "seeds", "rates", "levels"),
     [
-        # a tenth of a second is slow against 250 Hz and lies below every band without motion; at
-        # seed 1, and one more of thirty (scripts/nulls), there is an alarm: the level is .05
-        (noisy.slow, 2, RATE, (1e-3,) * 4),
+        # A tenth of a second is slow against 250 Hz and lies below every band without motion. There
+        # is an alarm at the first seed, as there may be at one of twenty: one of three is let pass.
+        (noisy.slow, (1, 2, 3), RATE, (1e-3,) * 4),
         # an error of .3 mrad, and a converter's of .44
-        (noisy.coarse, 1, (100.0,) * 4, (5.35e-4,) * 4),
-        (noisy.anticorrelated, 1, RATE, (1e-3,) * 4),
+        (noisy.coarse, (1,), (100.0,) * 4, (5.35e-4,) * 4),
+        (noisy.anticorrelated, (1,), RATE, (1e-3,) * 4),
         # means over blocks of four: the motion needs no more
-        (noisy.white, 1, FAST, (1e-3, 0.5e-3, 1e-3, 0.5e-3)),
-        (noisy.louder, 1, RATE, (2e-3, 2e-3, 1e-3, 1e-3)),
+        (noisy.white, (1,), FAST, (1e-3, 0.5e-3, 1e-3, 0.5e-3)),
+        (noisy.louder, (1,), RATE, (2e-3, 2e-3, 1e-3, 1e-3)),
     ],
     ids=["slow", "coarse", "anticorrelated", "two rates", "two levels"],
 )
-def test_nothing_hidden_is_nothing_found(noise, seed, rates, levels):
-    setting, fit = looked_at(noise, seed, rates)
-    assert structure_test(screen(fit, setting), seed=0).p >= POLICY.structure.seen
-    assert not misfits(setting, fit)
+def test_nothing_hidden_is_nothing_found(noise, seeds, rates, levels):
+    looks = [looked_at(noise, seed, rates) for seed in seeds]
+    alarms = [
+        structure_test(screen(fit, setting), seed=0).p < POLICY.structure.seen
+        or misfits(setting, fit)
+        for setting, fit in looks
+    ]
+    assert sum(alarms) <= len(seeds) // 3
+    for setting, fit in looks:
+        its_noise_is_known(setting, fit, noise, levels)
+
+
+def its_noise_is_known(setting, fit, noise, levels):
+    """As it was put in, and as what the right model leaves of held-out data."""
     tolerance = 0.15 if noise is noisy.coarse else 0.1
     found = np.array(setting.levels)
     blocks = np.sqrt(np.array(setting.blocks, dtype=float))[:, None]
     expected = np.array(levels)[:, None] if noise is not noisy.white else 1e-3 / blocks
     np.testing.assert_allclose(found, np.broadcast_to(expected, (4, 2)), rtol=tolerance)
-    # what the right model leaves of held-out data is the noise, however correlated it is
+    # however correlated it is
     left = squares(fit)
     noise2 = np.average(setting.levels**2, axis=0, weights=[p.t.size for p in setting.prepared])
     chance = left.chance(np.sqrt(noise2))
     assert left.mean_square() / noise2.mean() == pytest.approx(1.0, abs=0.02 + 3.0 * chance)
+
+
+@pytest.mark.parametrize(("chi2_dof", "asked"), [(9.0, True), (11.0, False)])
+def test_what_a_large_gap_leaves_is_not_asked_for_noise(monkeypatch, chi2_dof, asked):
+    """It passed for noise of a correlation of .98 on the packaged example."""
+    bare = prepare_campaign(noisy.campaign(noisy.white, 1, RATE), effects=())
+    baseline, calls = SimpleNamespace(chi2_dof=chi2_dof), []
+    choice = SimpleNamespace(final=SimpleNamespace(ids=("x",), fit=None))
+
+    def with_noise_of(setting, shown, fit):
+        calls.append("asked")
+        return setting, fit
+
+    def choose(*_):
+        calls.append("chosen")
+        return choice
+
+    monkeypatch.setattr(diagnosis, "with_noise_of", with_noise_of)
+    monkeypatch.setattr(diagnosis, "choose", choose)
+    monkeypatch.setattr(diagnosis, "with_residual_noise", lambda setting, _: setting)
+    diagnosis._chosen(bare, baseline, 0, print)
+    assert calls == ["asked", "chosen"][0 if asked else 1 :]
 
 
 @pytest.mark.parametrize(

@@ -366,15 +366,17 @@ def grow(
 
 
 def _slower(setting: Setting, found: Fit, how: dict[str, Any]) -> Fit:
-    """A fit whose contact rises at speeds too small to be met; or a better one, sought at those
-    that are."""
+    """The better of two fits: as found, and sought where its contact rises at speeds that are met.
+
+    Only where that found rises at speeds too small to be met.
+    """
     if Unknown("T0") not in found.unknowns or not np.isfinite(found.cost):
         return found
-    if not found.values.get("Tst"):  # then T0 is of no matter
-        return found
     speed = np.concatenate([np.abs(setting.prepared[i].path[:, 3]) for i in setting.fitted])
+    if not (found.values.get("Tst") and speed.any()):  # then T0 is of no matter
+        return found
     speed = speed[speed > 0.1 * speed.max()]  # of a rider that sticks it is noise
-    if not found.values.get("T0") * np.quantile(speed, 0.1) >= DIED:
+    if found.values.get("T0") * np.quantile(speed, 0.1) < DIED:
         return found
     start = found.values.replace({"T0": 1.0 / float(np.median(speed))})
     # held there first, or the others, which are those of another contact, would drive it back

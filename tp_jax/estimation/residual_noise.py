@@ -23,7 +23,7 @@ from scipy import optimize
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.least_squares import Fit
-from tp_jax.estimation.noise_levels import CHANNELS, with_noise
+from tp_jax.estimation.noise_levels import CHANNELS, steps_hide, with_noise
 from tp_jax.recordings import Colour, Recording, noise_levels, same_rate
 from tp_jax.recordings.colour import limits
 from tp_jax.recordings.noise import quantum
@@ -52,9 +52,6 @@ class ResidualNoisePolicy:
         slow: see `least`.
         left: mean square that may be left, over that which high-order differences see under the
             same colour, for it to be noise.
-        coarse: standard deviations of the noise from which a converter's steps hide it. Their
-            errors go with the motion in part, and count as noise all the same: a level does not
-            fall for it.
         samples: below which residuals say nothing of a colour.
     """
 
@@ -69,7 +66,6 @@ class ResidualNoisePolicy:
     least: float = 0.05
     slow: float = 1.1
     left: float = 1.25
-    coarse: float = 2.0
     samples: int = 50
 
 
@@ -134,8 +130,12 @@ def residual_noise(
             if found is None:
                 continue
             colour, rise = found
-            steps = [quantum(setting.recordings[i].channels[CHANNELS[c]]) for i in mine]
-            if np.median(steps) > policy.coarse * np.median(setting.levels[mine, c]):
+            hidden = [
+                steps_hide(setting.recordings[i].channels[CHANNELS[c]], setting.levels[i, c])
+                for i in mine
+            ]
+            if 2 * sum(hidden) > len(hidden):
+                # what goes with the motion was taken out, and is noise all the same
                 rise = max(rise, 1.0)
             seen = _seen([setting.recordings[i] for i in mine], c, colour)
             left = float(np.median((rise * setting.levels[mine, c] / seen) ** 2))

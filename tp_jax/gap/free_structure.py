@@ -27,15 +27,14 @@ from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.estimation.problem import spread
 from tp_jax.gap import calibration
 from tp_jax.gap.free_torques import errors_of_readings
 from tp_jax.gap.policy import POLICY, StructurePolicy
-from tp_jax.recordings.noise import quantum
 
 SIZES = (0.0, 10.0)  # tau
 LEAST = 1e-12  # p: of the tail beyond, the approximation knows nothing
-COARSE = 2.0  # steps of a channel, in standard deviations of its noise, that hide it
 
 
 @dataclasses.dataclass(frozen=True)
@@ -105,7 +104,7 @@ def free_structure(
             if not (mean > 0.0 and phi > 0.0):
                 continue
             ratio = float((z**2 / (1.0 + tau * value)).sum() / (mean * phi))
-            p = float(tails.ratio(ratio / known, mean**2 / square, max(fit.dof, 1)))
+            p = float(tails.fisher(ratio / known, mean**2 / square, max(fit.dof, 1)))
             if p < best.p or not best.source:
                 best = FreeStructure(p, name, ratio)
     return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))
@@ -120,9 +119,9 @@ def _coarse(setting: Setting) -> set[int]:
     """Channels whose steps hide their noise."""
     return {
         c
-        for c, name in enumerate(("phi1", "phi2"))
+        for c, name in enumerate(CHANNELS)
         for r in (setting.recordings[i] for i in setting.fitted)
-        if name in r.channels and quantum(r.channels[name]) > COARSE * setting.noise[name]
+        if name in r.channels and steps_hide(r.channels[name], setting.noise[name])
     }
 
 

@@ -28,6 +28,7 @@ from tp_jax.gap.screen import Screen, pseudo_inverse
 DRAWS = 2000
 CHUNK = 250  # draws at a time
 LENT = 20  # what the other effects say of phi counts as much as so many blocks
+LEAST = 1e-300  # p: a logarithm of less there is none
 TELLING = 1e-3  # of the mean block's information: a block with less says nothing of an effect
 
 
@@ -138,4 +139,5 @@ def _statistics(blocks: np.ndarray, forms: _Forms) -> np.ndarray:
     F = explained / np.maximum(rank * phi, 1e-300)
     # one scale for effects of different numbers of amplitudes; exactness is not needed
     nobody = (rank == 0) | (count + LENT <= rank)
-    return np.where(nobody, 0.0, -np.log(tails.ratio(F, np.maximum(rank, 1), count + LENT)))
+    p = tails.fisher(F, np.maximum(rank, 1), count + LENT)
+    return np.where(nobody, 0.0, -np.log(np.maximum(p, LEAST)))

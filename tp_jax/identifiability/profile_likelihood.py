@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
+from tp_jax import _tails as tails
 from tp_jax.estimation import variable_projection
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.intervals import covariance
@@ -162,7 +162,7 @@ def levels_of(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
     a, b = np.diag(robust), np.diag(noise)
     known = free & (b > 0.0)
     inflation[known] = np.maximum(a[known] / b[known], 1.0)
-    return stats.t.isf(0.025, dof) ** 2 * inflation, inflation
+    return tails.student_level(0.025, dof) ** 2 * inflation, inflation
 
 
 def _x(found: Fitted, unknowns: Sequence[Unknown], i: int) -> float:

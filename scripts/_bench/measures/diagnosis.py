@@ -75,9 +75,19 @@ def _beside(b: Bench, ref: str) -> tuple[dict, list[Row]]:
                 words += f", {now[stage] / then[stage]:.2f} times"
             rows.append(plain("diagnosis", campaign, stage, words))
         same = answers[ref][:2] == answers[checkouts.HERE][:2]
-        told = "the same" if same else f"{answers[ref]} → {answers[checkouts.HERE]}"
+        told = "the same"
+        if not same:
+            told = " → ".join(_told(answers[name]) for name in (ref, checkouts.HERE))
         rows.append(plain("diagnosis", campaign, "verdict and causes", told))
+        shrinks = [answers[name][2] for name in (ref, checkouts.HERE)]
+        words = ("–" if x is None else f"{x:.3f}" for x in shrinks)
+        rows.append(plain("diagnosis", campaign, "shrink", " → ".join(words)))
     return numbers, rows
+
+
+def _told(answer: tuple) -> str:
+    verdict, causes, _ = answer
+    return f"{verdict}: {', '.join(causes)}" if causes else verdict
 
 
 def diagnosed(folder: Path, campaign: Path | None = None) -> Took:
