@@ -17,7 +17,7 @@ def as_screen(blocks, V, sizes):
     scored = tuple(types.SimpleNamespace(blocks=blocks[:, r], rows=r) for r in rows)
     return types.SimpleNamespace(
         scored=scored, information_by_block=V, by_block=V, information=V.sum(axis=0),
-        covariance=np.zeros((0, 0)),
+        covariance=np.zeros((0, 0)), rounding=None,
     )  # fmt: skip
 
 

@@ -71,6 +71,9 @@ class ResidualNoisePolicy:
 
 POLICY = ResidualNoisePolicy()
 
+WIDE = 0.08
+"""First step of a correlation that is refined from the grid."""
+
 SPANNED = 1e-3
 """Part of the largest derivative, and of the largest singular value, that spans a direction."""
 
@@ -202,9 +205,16 @@ def _estimated(rest: "_Rest", samples: float, policy: ResidualNoisePolicy):
         low, high = limits(rho)
         return part.deviance(Colour(float(np.clip(c, low, high)), rho))[0]
 
+    # about half as wide as the grid; SciPy's own simplex, a twentieth of a small number wide, ends
+    # where it begins
+    wide = WIDE if rho + WIDE <= steepest else -WIDE
     found = optimize.minimize(
         cost, (c, rho), method="Nelder-Mead", bounds=[(-0.5, 1.0), (0.0, steepest)],
-        options={"xatol": 0.005, "fatol": 0.25, "maxfev": 80},
+        options={
+            "xatol": 0.005, "fatol": 0.25, "maxfev": 80,
+            "initial_simplex": [(c, rho), (c + WIDE * (-1.0 if c > 0.5 else 1.0), rho),
+                                (c, max(rho + wide, 0.0))],
+        },
     )  # fmt: skip
     rho = float(np.clip(found.x[1], 0.0, steepest))
     c = float(np.clip(found.x[0], *limits(rho)))

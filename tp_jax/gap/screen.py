@@ -24,6 +24,7 @@ from tp_jax.estimation.problem import columns, spread
 from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.directions import Variant, layers, variants
+from tp_jax.gap.rounding import Rounding, rounding
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Screen:
     efficient; by_block: (B, E + u, E + u) covariances of the blocks' efficient scores and gradients
     by the fit's unknowns where nothing but noise is in them, before those are fitted; one more if
     there is a calibration's error, for what that may do to their sum; covariance: (u, u) of the
-    unknowns.
+    unknowns; rounding: what draws the scores instead, where readings are coarse.
     """
 
     scored: tuple[Scored, ...]
@@ -70,6 +71,7 @@ class Screen:
     not_applicable: dict[str, str]
     total: np.ndarray
     covariance: np.ndarray
+    rounding: Rounding | None = None
 
     @property
     def information_by_block(self) -> np.ndarray:
@@ -186,7 +188,9 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
             )
         )  # fmt: skip
     covariance = inverse / np.outer(scale[:nb], scale[:nb])
-    return Screen(tuple(scored), V, joint, missing, total, covariance)
+    projected = (jac + lin.states_jac @ elim.state_gain) @ follow
+    rounded = rounding(fit, setting, projected, block)
+    return Screen(tuple(scored), V, joint, missing, total, covariance, rounded)
 
 
 def _limits(fit: Fit, variant: Variant) -> np.ndarray:

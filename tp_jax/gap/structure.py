@@ -14,7 +14,8 @@ there. What the fit's own unknowns took of the blocks' scatter is taken off the 
 with few blocks that is much of it.
 
 The distribution of the largest F of all effects comes from normal scores with the blocks' joint
-covariances, whatever number of blocks there is and however effects resemble each other.
+covariances, whatever number of blocks there is and however effects resemble each other. Where the
+readings' steps hide their noise, scores are drawn with the rounding (`rounding`).
 """
 
 import dataclasses
@@ -26,6 +27,7 @@ from tp_jax import _tails as tails
 from tp_jax.gap.screen import Screen, pseudo_inverse
 
 DRAWS = 2000
+OF_ROUNDING = 250  # draws: each goes over all samples
 CHUNK = 250  # draws at a time
 LENT = 20  # what the other effects say of phi counts as much as so many blocks
 LEAST = 1e-300  # p: a logarithm of less there is none
@@ -58,9 +60,10 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     observed = _statistics(blocks[:, :, None], forms)[:, 0]
     root = _roots(seen.by_block)
     rng = np.random.default_rng(seed)
+    draws = DRAWS if seen.rounding is None else OF_ROUNDING
     largest = np.concatenate([
         _statistics(_drawn(root, seen, rng), forms).max(axis=0)
-        for _ in range(DRAWS // CHUNK)
+        for _ in range(draws // CHUNK)
     ])  # fmt: skip
     p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
     return Structure(float(p.min()), p, largest.size)
@@ -69,6 +72,9 @@ def structure_test(seen: Screen, seed: int) -> Structure:
 def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarray:
     """Scores (B, E, CHUNK) of noise alone, after the unknowns have been fitted to it."""
     both = root @ rng.standard_normal((*root.shape[:2], CHUNK))
+    if seen.rounding is not None:  # but for what a calibration's error does to them
+        scores = seen.rounding.scores(rng, CHUNK)
+        both[: len(scores)] = scores
     n = len(seen.information)
     step = seen.covariance @ both[:, n:].sum(axis=0)
     return both[:, :n] - seen.by_block[:, :n, n:] @ step

@@ -1,0 +1,66 @@
+"""Scores of readings that are rounded more coarsely than they are noisy."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tests import noisy
+from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.sharpen import sharpened
+from tp_jax.gap.known_noise import with_noise_of
+from tp_jax.gap.policy import POLICY
+from tp_jax.gap.rounding import Rounding
+from tp_jax.gap.screen import screen
+from tp_jax.gap.structure import structure_test
+
+STEP, NOISE, SAMPLES = 6e-3, 3e-4, 50
+LEVEL = float(np.hypot(NOISE, STEP / np.sqrt(12.0)))
+
+
+def drawn(step, count=400):
+    """Scores (3, count) of three windows with the same motion, two of them of one recording."""
+    predicted = np.zeros((3, SAMPLES, 2))
+    predicted[:, :, 0] = 0.01 * np.sin(np.linspace(0.0, 3.0, SAMPLES))
+    columns = np.zeros((3, 2 * SAMPLES + 4, 1), dtype=np.float32)
+    columns[:, : 2 * SAMPLES : 2, 0] = 1.0
+    problem = SimpleNamespace(
+        sigma=np.full((3, 2), LEVEL), whiten=lambda r: None,
+        windows=SimpleNamespace(recording=np.array([0, 0, 1])),
+    )  # fmt: skip
+    steps = np.tile([step, 0.0], (3, 1))
+    rounding = Rounding(problem, predicted, steps, columns, np.arange(3))
+    return rounding.scores(np.random.default_rng(0), count)[:, 0]
+
+
+def test_the_same_motion_has_the_same_error_again():
+    found = np.corrcoef(drawn(STEP))
+    assert found[0, 1] > 0.8
+    assert abs(found[0, 2]) < 0.2  # where the steps lie in another recording is another matter
+
+
+def test_without_steps_it_is_noise():
+    scores = drawn(0.0)
+    np.testing.assert_allclose(scores.std(axis=1), np.sqrt(SAMPLES), rtol=0.15)
+    assert np.abs(np.corrcoef(scores) - np.eye(3)).max() < 0.2
+
+
+def encoder(rng, y, run):
+    """An encoder of ten bits, whose steps are twenty times the noise."""
+    return noisy.rounded(y + NOISE * rng.standard_normal(y.shape), 10)
+
+
+@pytest.mark.slow
+def test_an_encoder_is_no_structure():
+    setting = prepare_campaign(noisy.campaign(encoder, 1, (100.0,) * 4))
+    fit = grow(setting, initial_values(setting), setting.unknowns())
+    setting, fit = with_noise_of(setting, fit, fit)
+    seen = screen(sharpened(setting, fit), setting, states=False)
+    assert seen.rounding is not None
+    assert structure_test(seen, seed=0).p > POLICY.structure.seen
+    # an effect that is plain is seen all the same
+    strong = [dataclasses.replace(s, blocks=s.blocks + 30.0 * np.sqrt(np.diag(s.V)) / len(s.blocks))
+              for s in seen.scored]  # fmt: skip
+    plain = dataclasses.replace(seen, scored=tuple(strong))
+    assert structure_test(plain, seed=0).p < POLICY.structure.seen
