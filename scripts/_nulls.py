@@ -129,7 +129,7 @@ def _tested(kind: str, seed: int) -> dict[str, Any]:
     from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
     from tp_jax.estimation.sharpen import sharpened
     from tp_jax.gap.choice import misfits
-    from tp_jax.gap.diagnosis import with_noise_of
+    from tp_jax.gap.known_noise import with_noise_of
     from tp_jax.gap.policy import POLICY
     from tp_jax.gap.screen import screen
     from tp_jax.gap.structure import structure_test

@@ -80,7 +80,7 @@ class Stored:
         leaves, tree = jax.tree.flatten(arrays)
         if any(isinstance(x, jax.core.Tracer) for x in leaves):
             return self.jitted(*args)
-        shapes = tuple((x.shape, str(x.dtype)) for x in leaves)
+        shapes = tuple((x.shape, x.dtype) for x in leaves)
         key = (static, tree, shapes)
         ready = self._ready.get(key)
         if ready is not None:
@@ -90,7 +90,8 @@ class Stored:
         with lock:
             ready = self._ready.get(key)
             if ready is None:
-                file = self._file(static, f"{tree} {shapes}")
+                named = tuple((shape, str(kind)) for shape, kind in shapes)
+                file = self._file(static, f"{tree} {named}")
                 with COMPILERS, _alone(file):
                     begun = time.monotonic()
                     program = self._program(static, arrays, file)

@@ -9,7 +9,7 @@ from tests.reference import BENCH
 from tests.rigs import lossy, synthetic_campaign
 from tp_jax.blind.draw import draw_rig
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.baseline import _slower, grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import _slower, few_of, grow, initial_values, prepare_campaign
 from tp_jax.recordings import Campaign, Recording, load_campaign
 from tp_jax.rig import make_campaign
 
@@ -147,3 +147,16 @@ def test_a_rig_whose_rider_hardly_moves_takes_many_steps(tmp_path):
     found = grow(setting, start, setting.unknowns())
     assert found.converged, found.message
     assert found.values.get("B2") == pytest.approx(parameters.B2, rel=0.02)
+
+
+@pytest.mark.parametrize("count", [1, 160, 161, 315, 5000])
+def test_a_few_of_many_windows_are_spread_at_no_regular_distance(count):
+    which = few_of(count)
+    assert which.size == min(count, 160)
+    assert which[0] >= 0
+    assert which[-1] < count
+    apart = np.diff(which)
+    assert (apart > 0).all()
+    if count > 300:
+        assert np.unique(apart).size > 2
+        assert apart.max() <= 2.1 * count / 160 + 1

@@ -9,10 +9,10 @@ from tests import noisy
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.sharpen import sharpened
-from tp_jax.gap import diagnosis
+from tp_jax.gap import known_noise
 from tp_jax.gap.choice import misfits
-from tp_jax.gap.diagnosis import alike, with_noise_of
 from tp_jax.gap.held_out import squares
+from tp_jax.gap.known_noise import alike, choose_under_noise, with_noise_of
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.screen import screen
 from tp_jax.gap.structure import structure_test
@@ -86,10 +86,10 @@ def test_what_a_large_gap_leaves_is_not_asked_for_noise(monkeypatch, chi2_dof, a
         calls.append("chosen")
         return choice
 
-    monkeypatch.setattr(diagnosis, "with_noise_of", with_noise_of)
-    monkeypatch.setattr(diagnosis, "choose", choose)
-    monkeypatch.setattr(diagnosis, "with_residual_noise", lambda setting, _: setting)
-    diagnosis._chosen(bare, baseline, 0, print)
+    monkeypatch.setattr(known_noise, "with_noise_of", with_noise_of)
+    monkeypatch.setattr(known_noise, "choose", choose)
+    monkeypatch.setattr(known_noise, "with_residual_noise", lambda setting, _: setting)
+    choose_under_noise(bare, baseline, 0, print)
     assert calls == ["asked", "chosen"][0 if asked else 1 :]
 
 

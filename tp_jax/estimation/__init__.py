@@ -2,7 +2,7 @@
 
 layout, program, windows, problem    what is estimated, and its one compiled linearisation
                                      (placement, two_threads)
-start, baseline                      a start from the data, windows that grow
+start, period, baseline              a start from the data, windows that grow
 weak_form                            a better start: no derivatives of the data (modulating,
                                      compensated)
 elimination, least_squares           Gauss-Newton over unknowns and window states together

@@ -17,10 +17,12 @@ from tp_jax.effects import Effect, catalogue
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.least_squares import Anchor, Fit
 from tp_jax.estimation.least_squares import fit as fit_together
+from tp_jax.estimation.period import horizons_of, typical_period
 from tp_jax.estimation.problem import Problem, room, sample_capacity
 from tp_jax.estimation.program import Programs
 from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.variable_projection import fit
+from tp_jax.estimation.window_states import of_windows
 from tp_jax.estimation.windows import Prepared, cut, prepare
 from tp_jax.model.parameters import BASE, BY_NAME, DEFAULT_EPS, PAPER_EPS, SHARPEST_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
@@ -32,7 +34,6 @@ from tp_jax.recordings import (
     noise_colour,
     noise_levels,
     same_rate,
-    stretches,
     thinned,
 )
 
@@ -48,8 +49,8 @@ LEAST_NOISE = 1e-6  # rad; of a channel that is constant, so that nothing is div
 PATIENCE = 100  # steps of a fit: far from a rider that hardly moves, some rigs need more than 50
 POOR = 2.0  # chi2/dof of a fit to the shortest windows that is looked for another way too
 
-STILL = 2.0
-"""Times its swings that a decay may last, at rest in the end; what is more does not count."""
+MOST_WINDOWS = 160
+"""Windows of a fit that only leads to the next one: more say no better which valley it is."""
 
 DIED = 3.0
 """T0 times a slip speed from which the contact's exponential has died out there, to a twentieth.
@@ -200,7 +201,7 @@ def prepare_campaign(
     effects: Sequence[Effect] | None = None,
 ) -> Setting:
     """Reads noise, sampling and period off the recordings and lays out the estimation."""
-    period = _period([r for r in campaign.recordings if not r.held_out])
+    period = typical_period([r for r in campaign.recordings if not r.held_out])
     blocks = tuple(block_length(r, period) for r in campaign.recordings)
     recordings = tuple(map(thinned, campaign.recordings, blocks))
     fitted = [r for r in recordings if not r.held_out]
@@ -220,7 +221,7 @@ def prepare_campaign(
         for r, own, w, colour in zip(recordings, levels, widths, colours, strict=True)
     )
     # what is shorter than a window is one window
-    horizons = _horizons(period, step, float(np.median([r.duration for r in fitted])))
+    horizons = horizons_of(period, step, float(np.median([r.duration for r in fitted])))
     counts = [round(horizons[-1] / step) + 2]
     fixed = {"B1": campaign.B1 or 1.0}
     priors = {}
@@ -249,46 +250,6 @@ def _colours(recordings: Sequence[Recording], period: float) -> list[tuple[Colou
         for i in group:
             out[i] = pair
     return out
-
-
-def _period(recordings: Sequence[Recording]) -> float:
-    """Typical period of the column [s]: from the crossings of its mean, gaps left out.
-
-    Of a decay that has come to rest, the stillness counts no longer than its swings did: a minute
-    of it would make windows in which no fit finds its way. One that hardly swings tells a quarter
-    of a period, until it is first near where it ends; that counts where nothing swings.
-    """
-    periods, quarters = [], []
-    for r in recordings:
-        y = r.phi1 - r.phi1.mean()
-        y = np.where(np.abs(y) < 0.1 * np.abs(y).max(), 0.0, np.sign(y))
-        crossings, length, moving = 0, 0.0, 0.0
-        near = np.flatnonzero(y == 0.0)
-        if near.size and near[0] > 0:
-            quarters.append(float(r.t[near[0]] - r.t[0]))
-        for part in stretches(r.t):
-            away = np.flatnonzero(y[part]) + part.start
-            turned = np.flatnonzero(np.diff(y[away]) != 0)
-            crossings += turned.size
-            length += float(r.t[part.stop - 1] - r.t[part.start])
-            if turned.size:
-                moving += float(r.t[away[turned[-1] + 1]] - r.t[part.start])
-        if crossings >= 2:
-            periods.append(2.0 * min(length, STILL * moving) / crossings)
-    if periods or quarters:
-        return float(np.median(periods or 4.0 * np.array(quarters)))
-    return max(r.duration for r in recordings) / 10.0
-
-
-def _horizons(period: float, step: float, typical: float) -> tuple[float, ...]:
-    """Window lengths: a quarter of a period (12 samples or more), then three and nine times that.
-
-    The last is half a second at least, where the recordings are that long.
-    """
-    first = max(0.25 * period, 12 * step)
-    last = max(6.0 * first, 0.5)
-    ladder = [first, np.sqrt(first * last), last]
-    return tuple(float(min(h, 0.5 * typical)) for h in ladder)
 
 
 def initial_values(setting: Setting) -> Values:
@@ -344,6 +305,8 @@ def grow(
             progress(f"fitting windows of {horizon:.2g} s", i / len(horizons))
         problem = setting.problem(horizon, which)
         last = i + 1 == len(horizons)
+        if not last:
+            problem = of_windows(problem, few_of(problem.windows.n))
         eps = setting.eps if last else float(ladder[i])
         values = values.replace({"eps1": eps, "eps2": eps})
         states = None if result is None else handed_on(result, problem)
@@ -363,6 +326,19 @@ def grow(
         log.info("windows of %.3g s: chi2/dof %.4g, %s", horizon, result.chi2_dof, result.message)
     assert result is not None
     return result
+
+
+def few_of(count: int, most: int = MOST_WINDOWS) -> np.ndarray:
+    """Places of at most so many of `count` windows, spread over all, at no regular distance.
+
+    Every second one of windows of a quarter of a period would always see the same of the swing.
+    """
+    if count <= most:
+        return np.arange(count)
+    golden = 0.5 * (np.sqrt(5.0) - 1.0)
+    within = (np.arange(most) * golden) % 1.0
+    edges = np.arange(most + 1) * count // most
+    return edges[:-1] + (within * np.diff(edges)).astype(int)
 
 
 def _slower(setting: Setting, found: Fit, how: dict[str, Any]) -> Fit:

@@ -14,7 +14,7 @@ from tp_jax.estimation.two_threads import by_two
 from tp_jax.estimation.windows import Prepared, Windows, read_later
 from tp_jax.simulation.lanes import Tolerances
 
-DIRECTIONS = 16  # directions in a call
+DIRECTIONS = 14  # directions in a call
 FEW = 4  # directions in a call that asks for no more
 WORTH = 0.95  # of the time, from which on windows are placed anew
 _SIZES = (1024, 2048, 4096)

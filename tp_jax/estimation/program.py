@@ -90,7 +90,8 @@ class Programs:
 
     def active(self, p: np.ndarray) -> frozenset[str]:
         """Effects of the motion with an amplitude in p (P, ...)."""
-        return frozenset(self.owner[i] for i in self.owner if np.any(p[i])) & self.moving
+        there = np.flatnonzero(p.any(axis=tuple(range(1, p.ndim)))).tolist()
+        return frozenset(self.owner[i] for i in there if i in self.owner) & self.moving
 
     def asked(self, directions: Sequence[int]) -> frozenset[str]:
         """Effects of the motion with an amplitude among some slots."""
@@ -208,8 +209,10 @@ def _integrate(layout, ids, tolerances, p, x0, block, directions):
     steps = Tolerances(*tolerances)
     run = integrate(field, tuple(p), lanes, eps, directions, layout.estimable, steps)
     # What follows knows angles and velocities only, and is compiled once for all.
-    own = slice(4, x0.shape[1])
-    s = jnp.delete(run.s, own, axis=3, assume_unique_indices=True)
+    count = x0.shape[1]
+    s = run.s
+    if count > 4:
+        s = jnp.concatenate([s[..., :4], s[..., count:]], axis=3)
     return run._replace(y=run.y[..., :4], s=s), run.y[..., 4:]
 
 

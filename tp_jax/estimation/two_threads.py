@@ -11,6 +11,8 @@ Result = TypeVar("Result")
 
 def by_two(run: Callable[[Job], Result], jobs: Sequence[Job]) -> list[Result]:
     """What `run` makes of each job, by this thread and one more; a single job needs none more."""
+    if len(jobs) == 1:
+        return [run(jobs[0])]
     waiting = deque(enumerate(jobs))
     done: dict[int, Result] = {}
 
@@ -23,8 +25,7 @@ def by_two(run: Callable[[Job], Result], jobs: Sequence[Job]) -> list[Result]:
             done[i] = run(job)
 
     with ThreadPoolExecutor(1) as pool:
-        other = pool.submit(work) if len(jobs) > 1 else None
+        other = pool.submit(work)
         work()
-    if other is not None:
-        other.result()
+    other.result()
     return [done[i] for i in range(len(jobs))]

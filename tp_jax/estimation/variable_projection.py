@@ -32,6 +32,8 @@ NOISE = 30.0
 BENIGN = 0.5  # of a promise kept: then the windows' states can go on together with the unknowns
 HAIR = 1e-12  # of a value: the way through its coordinate and back costs so much at the most
 UNSETTLED = 0.05  # of a step's promise, shared by the windows: less is not worth an evaluation
+NOTHING = 0.02  # of a mean square: a step that promises less is not taken
+SETTLED = 0.01  # of a mean square: a window's state that promises less is left where it is
 
 
 def fit(
@@ -67,6 +69,7 @@ def fit(
     passes = 1.0
     cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
     damping, of_states, settled = 1e-4, None, False
+    dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
 
     def put_right(values: Values, states: np.ndarray, lin: Linearisation, tolerance: float) -> None:
         """Moves states, and with them the linearisation, to where no window promises more."""
@@ -91,12 +94,15 @@ def fit(
             g[i] += (u[i] - a.centre) / a.sd**2
             H[i, i] += 1.0 / a.sd**2
         box = np.maximum(low - u, -longest), np.minimum(high - u, longest)
-        enough = max(tolerance, relative * cost)
+        # What a wrong model leaves scatters its optimum by as much more: digits below that scatter
+        # are not worth a step.
+        unit = max(cost / dof, 1.0)
+        enough = max(tolerance, NOTHING * unit, relative * cost)
         promise = bounded_step(g, H, *box, 0.0).promise
         own, promised = state_steps(lin, np.zeros(problem.windows.n))
         if not settled:
             if promise < enough <= promise + promised.sum():
-                put_right(values, states, lin, 0.01)
+                put_right(values, states, lin, SETTLED * unit)
                 cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
                 settled = True
                 continue
@@ -122,7 +128,7 @@ def fit(
             new_settled = False
             if new_lin.complete.all() and share < BENIGN:
                 spread_out = UNSETTLED * step.promise / problem.windows.n
-                put_right(new_values, new_states, new_lin, max(spread_out, 0.01))
+                put_right(new_values, new_states, new_lin, max(spread_out, SETTLED * unit))
                 new_settled = True
             new_cost = new_lin.cost() + prior
             gain = (cost - new_cost) / max(step.promise + promised, 1e-300)

@@ -1,11 +1,13 @@
 """The gap between model and recordings: where it lies, what causes it, how far it shrinks.
 
 applicability, directions   which effects, at which shape constants
-screen, structure           all of them from one linearisation; is anything there at all
+screen, structure, rounding all of them from one linearisation; is anything there at all
 refit, crossvalidation      the best few, nonlinearly, judged inside the fitted data
 choice                      the causes, one by one
+known_noise                 the causes under the noise that they leave
 held_out, free_run          what is left on data no choice has touched
 location, detectability, intervals, experiment, verdict
+tables, assemble            the result, table by table
 diagnosis                   all of it together
 predict                     a run never seen
 """

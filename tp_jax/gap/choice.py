@@ -112,13 +112,7 @@ def choose(
         progress("screening the catalogue", None)
         # Beside a cause, effects with states take programs of their own: they wait until something
         # is left that others see, as they would (what has a memory looks much like what has none).
-        before, rest = current.fit, dict(skip=current.ids, states=not current.ids)
-        seen = screen(before, setting, **rest)
-        structure = structure_test(seen, seed)
-        if structure.p < POLICY.structure.seen and _may_be_smoothing(before, sharp.fit):
-            before = sharp.fit
-            seen = screen(before, setting, **rest)
-            structure = structure_test(seen, seed)
+        before, seen, structure = _looked_at(setting, current, sharp, seed)
         last, small = n == len(REFITTED), False
         if current.ids and structure.p < POLICY.structure.seen and not last:
             seen = screen(before, setting, skip=current.ids)
@@ -167,7 +161,8 @@ def choose(
             # What comes next is a look at every effect without states beside those that are in.
             programs = current.fit.problem.programs
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
-        taken, polished, keener = None, current, sharp
+        taken, polished = None, current
+        keener: Refit | None = None
         confirmations: dict[str, Confirmation] = {}
         without: dict[tuple, LeftOut] = {}
         while taken is None and len(confirmations) < ALTERNATIVES:
@@ -180,9 +175,11 @@ def choose(
             log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
             if not (small or _earned(drop, error, left_now, polished)):
                 break
-            progress("sharpening the friction", None)
-            keener = sharper(setting, polished)
+            keener = None
             # Where smoothing may be what is left, the cause has to earn its place without it too.
+            if small or before is sharp.fit:
+                progress("sharpening the friction", None)
+                keener = sharper(setting, polished)
             if small:
                 if not _clearly(setting, sharp, keener, seed):
                     break
@@ -216,19 +213,42 @@ def choose(
             checked, pairs = replaced(setting, checked, refitted, POLICY.backward)
             tested += pairs
             if checked is not polished:
-                polished = polish(setting, checked)
-                keener = sharper(setting, polished)
+                polished, keener = polish(setting, checked), None
         if polished.fit.chi2_dof < POLICY.horizon.below:
             progress("longer windows", None)
             longer = lengthened(setting, polished, POLICY.horizon.factor)
             if longer is not polished:
-                polished, keener = longer, sharper(setting, longer)
+                polished, keener = longer, None
+        if keener is None:
+            progress("sharpening the friction", None)
+            keener = sharper(setting, polished)
         current, sharp = polished, keener
     if sharp.ids and sharp.fit.chi2_dof > LENGTHEN:
         for _ in range(LONGER):
             progress("longer windows", None)
             sharp = lengthened(setting, sharp)
     return Choice(sharp_baseline.fit, tuple(rounds), sharp, tuple(tested))
+
+
+def _looked_at(
+    setting: Setting, current: Refit, sharp: Refit, seed: int
+) -> tuple[Fit, Screen, Structure]:
+    """A fit that is looked at for what it leaves, its screen, and whether anything is there.
+
+    Where the friction's smoothing may be what is left, there is something only if both the fit with
+    and the one without it say so. Mostly the sharp one is the one that does not, so it is first.
+    """
+    rest = dict(skip=current.ids, states=not current.ids)
+    doubtful = _may_be_smoothing(current.fit, sharp.fit)
+    first = sharp.fit if doubtful else current.fit
+    seen = screen(first, setting, **rest)
+    structure = structure_test(seen, seed)
+    if doubtful and structure.p < POLICY.structure.seen:
+        smooth = screen(current.fit, setting, **rest)
+        other = structure_test(smooth, seed)
+        if other.p >= POLICY.structure.seen:
+            return current.fit, smooth, other
+    return first, seen, structure
 
 
 def _tried(setting: Setting, current: Refit, s: Scored, known: Refit | None) -> Refit:

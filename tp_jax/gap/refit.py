@@ -2,7 +2,7 @@
 
 import dataclasses
 import logging
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.sharpen import sharpened
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.directions import Variant, variants
+from tp_jax.gap.screen import pseudo_inverse
 
 log = logging.getLogger(__name__)
 
@@ -22,6 +23,9 @@ log = logging.getLogger(__name__)
 #: with it to nowhere.
 WIDE = 3.0
 COARSE, COARSE_PART = 0.2, 1e-3
+BEYOND_CHANCE = 3.0  # standard deviations of a sum of squares of noise alone
+VALLEY = 50.0  # of a sum of squares: to know which way a number goes that is held
+POLISHED = 1.0  # of a sum of squares; sharper friction comes after it, fitted to a fiftieth
 MOST_SAMPLES = 1000  # of a window; longer ones take a program of their own for little
 #: rad; how far the zero of phi1 may be from where the column seems to rest. With a tilt and hardly
 #: a spring it turns with the tilt's two amplitudes, exactly, and a zero without end makes a
@@ -254,22 +258,41 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
     """Takes a refit to its optimum: shape constants freed, parameters moved off their bounds.
 
     Continuous shape constants of the last effect are freed from where the grid left them. A
-    parameter that a wrong model had pushed to a bound may be held there by another; it is tried
-    anew from inside, and kept where it does better.
+    parameter that a wrong model had pushed to a bound may be held there by another. So it is held
+    inside while the others find their place; only if it would go further in from there than back to
+    the bound, it is freed, and kept where it does better. Where no more is left than chance leaves,
+    there is nothing to be found.
     """
     before = result.fit
     unknowns, bounds = with_shapes(setting, result)
     done = _again(before, before.values, unknowns, bounds, max_iterations)
     stuck = [u for u, b in zip(done.unknowns, done.at_bound, strict=True) if b]
     inside = _inside(done.problem, stuck)
-    if inside:
-        trial = _again(done, done.values.replace(inside), unknowns, bounds, max_iterations)
-        done = trial if trial.cost < done.cost else done
+    if inside and removable(done) > BEYOND_CHANCE * np.sqrt(2.0 * done.dof):
+        others = [u for u in unknowns if u.name not in inside]
+        held = fit(
+            done.problem, done.values.replace(inside), others, done.states, bounds=bounds,
+            anchors=[a for a in done.anchors if a.unknown in others],
+            max_iterations=max_iterations, tolerance=VALLEY, relative=0.0,
+        )  # fmt: skip
+        whole = dataclasses.replace(held, anchors=done.anchors)
+        there = _again(whole, held.values, unknowns, bounds, 0)
+        if np.isfinite(there.cost) and _falls_inwards(there, inside):
+            trial = _again(there, there.values, unknowns, bounds, max_iterations)
+            done = trial if trial.cost < done.cost else done
     return _with_its_shapes(result, done)
 
 
+def _falls_inwards(there: Fit, held: Collection[str]) -> bool:
+    """Whether the sum of squares falls as a number grows that was held, the others following."""
+    g, H = there.eliminated.g.sum(axis=0), there.eliminated.H.sum(axis=0)
+    mine = np.array([u.name in held for u in there.unknowns])
+    follow = pseudo_inverse(H[np.ix_(~mine, ~mine)]) @ g[~mine]
+    return bool(np.any(g[mine] - H[np.ix_(mine, ~mine)] @ follow < 0.0))
+
+
 def _again(
-    before: Fit, values: Values, unknowns, bounds, max_iterations: int, tolerance: float = 0.02
+    before: Fit, values: Values, unknowns, bounds, max_iterations: int, tolerance: float = POLISHED
 ) -> Fit:
     return fit(
         before.problem, values, unknowns, before.states, bounds=bounds, anchors=before.anchors,

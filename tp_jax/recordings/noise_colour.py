@@ -185,17 +185,25 @@ def _fitted(f, level, weight, step: float, policy: ColourPolicy, with_colour: in
     floor = float(np.median(level[-max(len(level) // 4, 1) :]))
     unit = max(floor, 1e-300)
 
-    def spectrum(x):
-        c, w = np.exp(x[0]), np.exp(x[1])
-        out = c * slope + w
+    turn = np.cos(2.0 * np.pi * f * step)
+
+    def parts(x):
+        """Motion, white and coloured noise, and what follows from the last number."""
+        found = [unit * np.exp(x[0]) * slope, np.full_like(f, unit * np.exp(x[1]))]
         if with_colour:
             rho = policy.steepest / (1.0 + np.exp(-x[3]))
-            out = out + np.exp(x[2]) / (1.0 - 2.0 * rho * np.cos(2 * np.pi * f * step) + rho**2)
-        return unit * out
+            below = 1.0 - 2.0 * rho * turn + rho**2
+            coloured = unit * np.exp(x[2]) / below
+            by_rho = coloured * 2.0 * (turn - rho) / below
+            found += [coloured, by_rho * rho * (1.0 - rho / policy.steepest)]
+        return found
 
     def cost(x):
-        s = spectrum(x)
-        return 2.0 * float(np.sum(weight * (np.log(s / level) + level / s - 1.0)))
+        """And its gradient."""
+        found = parts(x)
+        s = sum(found[:3])
+        value = 2.0 * float(np.sum(weight * (np.log(s / level) + level / s - 1.0)))
+        return value, [2.0 * float(np.sum(weight * (s - level) / s**2 * d)) for d in found]
 
     best = None
     starts = [(-3.0, 0.0)] if not with_colour else [
@@ -203,7 +211,7 @@ def _fitted(f, level, weight, step: float, policy: ColourPolicy, with_colour: in
     ] + [(-3.0, -6.0, 0.0, 0.0)]  # fmt: skip
     bounds = [(-25.0, 25.0), (-12.0, 5.0), (-25.0, 5.0), (-4.0, 8.0)][: 2 + 2 * with_colour]
     for x0 in starts:
-        found = optimize.minimize(cost, x0, method="L-BFGS-B", bounds=bounds)
+        found = optimize.minimize(cost, x0, jac=True, method="L-BFGS-B", bounds=bounds)
         if best is None or found.fun < best.fun:
             best = found
     assert best is not None

@@ -1,0 +1,197 @@
+"""A diagnosis from a choice of causes: what the held-out recordings say, and every table of it."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from tp_jax.estimation.assemble import fit_record
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.gap import tables
+from tp_jax.gap.acceptance import (
+    errors,
+    free_errors,
+    is_worse,
+    least_probable,
+    tied,
+    without_doubt,
+    without_harm,
+)
+from tp_jax.gap.calibration import Floor, floor
+from tp_jax.gap.choice import Choice
+from tp_jax.gap.free_structure import free_structure
+from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
+from tp_jax.gap.location import locate
+from tp_jax.gap.notes import elsewhere, notes
+from tp_jax.gap.refit import Refit
+from tp_jax.gap.relative import told
+from tp_jax.gap.screen import screen
+from tp_jax.gap.series import curves, recordings, residuals
+from tp_jax.gap.structure import structure_test
+from tp_jax.gap.verdict import Evidence, combined, verdict
+
+SCHEMA = "tp-jax/diagnosis/1"
+
+
+def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0) -> dict[str, Any]:
+    """The result as `diagnosis.json` has it, without its provenance."""
+    horizon = _common_horizon(setting, choice.baseline.problem.windows.horizon)
+    choice, dropped = without_harm(setting, choice, horizon)
+    choice, probabilities, doubts = without_doubt(setting, choice, horizon)
+    baseline, final = choice.baseline, choice.final
+    before = evaluate(setting, baseline.values, horizon)
+    least = floor(setting, baseline, before.fit)
+    singles = {id: r for id, r in choice.rounds[0].refits.items()}
+    held: dict[str, HeldOut] = {
+        id: evaluate(setting, r.fit.values, horizon, [v.effect for v in r.variants])
+        for id, r in singles.items()
+    }
+    after = before
+    if final.ids:
+        after = evaluate(setting, final.fit.values, horizon, [v.effect for v in final.variants])
+        if len(final.ids) == 1:
+            held[final.ids[0]] = after
+    total = shrink(setting, before, after, seed, least)
+    first = choice.rounds[0]
+    excess = _excess(setting, baseline, least)
+    anything = {"before": free_structure(setting, baseline)}
+    anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
+    structure_p = combined(first.structure.p, anything["before"].p, excess)
+    structure_p = min(choice.looks * structure_p, 1.0)
+    structure_p_after = structure_p
+    if final.ids:
+        left = _excess(setting, final.fit, least)
+        rest = choice.structure
+        if dropped or doubts.gone:  # the last round looked beside causes that are gone
+            seen = screen(final.fit, setting, skip=final.ids, states=False)
+            rest = structure_test(seen, seed)
+        structure_p_after = combined(rest.p, anything["after"].p, left)
+    start_before, free_before = free_errors(setting, baseline, horizon)
+    start_after, free_after = (
+        free_errors(setting, final.fit, horizon) if final.ids else (start_before, free_before)
+    )
+    gap_before, gap_after = errors(before, free_before), errors(after, free_after)
+    worse = final.ids if final.ids and is_worse(gap_before, gap_after) else ()
+    word = verdict(
+        _evidence(
+            setting, choice, before, after, least, structure_p, structure_p_after,
+            least_probable(setting, choice, probabilities), total, bool(worse),
+            gap_before["free_run"], gap_after["free_run"],
+        ), tolerance,
+    )  # fmt: skip
+    no_gap = word == "no_gap"
+    # refits are compared with where they began, which has the smoothing that they have
+    begun = evaluate(setting, first.searched.values, horizon)
+    shrinks = {
+        id: shrink(setting, before if h is after else begun, h, seed, least)
+        for id, h in held.items()
+    }
+    final = Refit(baseline, ()) if no_gap or worse else told(final, setting.fitted)
+    ids = final.ids
+    if worse:  # where the gap lies is then asked without a cause
+        rounds = tuple(dataclasses.replace(r, taken=None) for r in choice.rounds)
+        choice = dataclasses.replace(choice, rounds=rounds, final=final)
+    said = notes(
+        setting, choice, final, word, structure_p_after, anything["after"], least,
+        before.complete and after.complete, worse or dropped, doubts,
+    )  # fmt: skip
+    where = [] if no_gap else locate(choice, setting, seed)
+    said += elsewhere(where, final)
+    labels = [r.label for r in setting.recordings]
+    return {
+        "schema": SCHEMA,
+        "campaign": setting.campaign.name,
+        "model": setting.model,
+        "verdict": word,
+        "noise_floor": least.total,
+        "noise": tables.noise(setting),
+        "noise_floor_parts": {"noise": least.noise, "calibration": least.calibration},
+        "gap": {
+            "before": gap_before,
+            "after": gap_after if ids else gap_before,
+            "shrink": total.value if ids else (None if not total.significant else 0.0),
+            "shrink_ci95": list(total.ci95) if ids and total.ci95 else None,
+            "held_out": [setting.recordings[i].name for i in setting.held_out],
+            "horizon_s": horizon,
+            "removable_significant": total.significant,
+            "structure_p": structure_p,
+            "structure_p_after": structure_p_after if ids else None,
+            "free_structure": {
+                when: dataclasses.asdict(found)
+                for when, found in anything.items()
+                if ids or when == "before"
+            },
+            "excess_z": excess,
+            "tolerance": tolerance,
+            "rejected": [*worse, *dropped, *doubts.gone],
+            "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
+        },
+        "where": [dataclasses.asdict(s) for s in where],
+        "causes": tables.causes(
+            setting,
+            choice,
+            final,
+            begun,
+            shrinks,
+            total,
+            probabilities,
+            horizon,
+            seed,
+            least,
+            doubts.unnamed,
+        ),
+        "candidates": tables.candidates(setting, choice, probabilities, shrinks),
+        "confused_with": tied(setting, choice, no_gap),
+        "minimum_detectable": tables.detectable(choice),
+        "absorbed": tables.absorbed(setting, baseline, final.fit) if ids else {},
+        "fits": {
+            "before": fit_record(carried_over(baseline.values, setting), (), labels),
+            "after": fit_record(carried_over(final.fit.values, setting), ids, labels)
+            if ids
+            else None,
+        },
+        "parameters": intervals(final.fit, setting),
+        "next_experiment": tables.next_experiment(setting, choice, no_gap),
+        "recordings": recordings(setting, start_before, start_after, bool(ids)),
+        "curves": curves(setting, free_before, free_after if ids else None),
+        "residuals": residuals(setting, before, after if ids else None, least),
+        "notes": said,
+    }
+
+
+def _evidence(
+    setting: Setting, choice: Choice, before: HeldOut, after: HeldOut, least: Floor,
+    structure_p: float, structure_p_after: float, probability: float, total: Shrink, worse: bool,
+    free_before: float | None, free_after: float | None,
+) -> Evidence:  # fmt: skip
+    floor2 = float(np.mean([v**2 for v in least.total.values()]))
+    left, gap = after.mean_square() - floor2, before.mean_square() - floor2
+    levels = np.array([*least.noise.values(), 0.0])[:2]
+    error = float(np.hypot(floor_error(setting), after.chance(levels)))
+    error = float(np.hypot(error, np.sqrt(2.0) * least.parts.sum() / max(floor2, 1e-300)))
+
+    def beyond(windowed: float, free: float | None) -> float:
+        """What exceeds the noise in windows or in a free run [rad]; infinite of one that fails."""
+        run = np.inf if free is None else free**2 - floor2
+        return float(np.sqrt(max(windowed, run, 0.0)))
+
+    return Evidence(
+        structure_p, structure_p_after, len(choice.causes), probability, total,
+        left / max(floor2, 1e-300), error, beyond(gap, free_before), beyond(left, free_after),
+        worse,
+    )  # fmt: skip
+
+
+def _common_horizon(setting: Setting, horizon: float) -> float:
+    longest = max(setting.recordings[i].duration for i in setting.held_out)
+    return float(min(horizon, longest))
+
+
+def _excess(setting: Setting, baseline: Fit, least: Floor) -> float:
+    """Standard errors by which the misfit exceeds the floor, its own uncertainty included."""
+    error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(baseline.dof, 1)))
+    error = np.hypot(error, np.sqrt(2.0 * np.sum(least.misfit**2)))
+    # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
+    return float((baseline.chi2_dof - 1.0 - least.misfit.sum()) / error)

@@ -1,0 +1,97 @@
+"""Causes under the noise that they leave: chosen, the noise looked at again, chosen anew."""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.residual_noise import with_residual_noise
+from tp_jax.estimation.variable_projection import fit
+from tp_jax.gap.choice import Choice, choose
+from tp_jax.gap.policy import POLICY, NoisePolicy
+from tp_jax.gap.refit import Refit, lengthened
+
+
+def choose_under_noise(
+    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None]
+) -> tuple[Setting, Choice]:
+    """The causes, and the campaign with its noise as it shows once they are in.
+
+    Where the data alone do not say what colour the noise has, what the baseline leaves does, and
+    some of that may be gap. What the causes leave says it better; then all is judged anew.
+    """
+    asked = baseline.chi2_dof < POLICY.noise.below
+    if asked:
+        setting, baseline = with_noise_of(setting, baseline, baseline)
+    choice = choose(setting, baseline, seed, progress)
+    if all(not r.forced for r in setting.recordings):
+        setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
+    if choice.final.ids or not asked:
+        if not alike(setting, with_residual_noise(setting, choice.final.fit)):
+            better, again = with_noise_of(setting, choice.final.fit, baseline)
+            looks = choice.looks
+            choice = choose(better, again, seed, progress, choice.final)
+            return better, dataclasses.replace(choice, looks=looks)
+    return setting, choice
+
+
+def alike(one: Setting, other: Setting, policy: NoisePolicy = POLICY.noise) -> bool:
+    """Whether a campaign has about the same noise in both."""
+    ratio = np.abs(np.log(one.levels / other.levels))[one.fitted]
+    if ratio.max() > policy.level:
+        return False
+    pairs = [
+        pair
+        for i in one.fitted
+        for pair in zip(one.prepared[i].colour, other.prepared[i].colour, strict=True)
+    ]
+    return all(
+        abs(a.neighbours - b.neighbours) <= policy.correlation
+        and max(a.slow, b.slow) <= policy.slow * min(a.slow, b.slow)
+        for a, b in pairs
+    )
+
+
+def _looked_longer(
+    setting: Setting, baseline: Fit, choice: Choice, seed: int,
+    progress: Callable[[str, float | None], None],
+) -> tuple[Setting, Fit, Choice]:  # fmt: skip
+    """Decays over longer windows, where shorter ones show no cause.
+
+    A drag that takes a hundredth of the energy in a period is hidden by the noise of a window of
+    one and a half, and plain after ten. The parameters are the better known for it, too.
+    """
+    policy = POLICY.horizon
+    for look in range(policy.looks):
+        if choice.final.ids or baseline.chi2_dof >= policy.below:
+            break
+        longer = lengthened(setting, Refit(baseline, ()), policy.factor).fit
+        if longer is baseline:
+            break
+        progress("longer windows", None)
+        setting, baseline = with_noise_of(setting, longer, longer)
+        choice = choose(setting, baseline, seed, progress)
+        choice = dataclasses.replace(choice, looks=look + 2)
+    return setting, baseline, choice
+
+
+def with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting, Fit]:
+    """The campaign with the noise that a fit shows, and the baseline under it.
+
+    A fit under white noise absorbs some of a colour where its windows start at rest, so that of the
+    baseline is looked at once more under what it showed first.
+    """
+    own = shown is baseline
+    for _ in range(2 if own else 1):
+        found = with_residual_noise(setting, shown)
+        if found is setting:
+            break
+        setting, problem = found, found.problem(baseline.problem.windows.horizon)
+        baseline = fit(
+            problem, baseline.values, baseline.unknowns, baseline.states, bounds=found.bounds,
+            anchors=baseline.anchors, relative=1e-7,
+        )  # fmt: skip
+        shown = baseline
+    return setting, baseline
