@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from tp_jax.estimation.baseline import Setting
 from tp_jax.gap.acceptance import Doubts
 from tp_jax.gap.calibration import Floor
@@ -10,6 +12,7 @@ from tp_jax.gap.free_structure import FreeStructure
 from tp_jax.gap.location import Share
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
+from tp_jax.recordings.noise import noise_level
 
 
 def notes(
@@ -51,6 +54,12 @@ def notes(
         said.append(
             f"Recordings have far more samples than their motion needs: each {_joined(blocks)} are "
             "averaged, and the noise is that of the means."
+        )
+    noisy = _drive_noise(setting)
+    if noisy > POLICY.noise.drive:
+        said.append(
+            f"The measured drive has a noise of {100.0 * noisy:.2g} % of its amplitude. The model "
+            "takes its readings as they are, so that what their errors move counts as gap."
         )
     eps = sorted({f.values.get("eps2") for f in (choice.baseline, final.fit)})
     said.append(f"The friction's smoothing is eps = {' or '.join(f'{x:g}' for x in eps)} s.")
@@ -107,6 +116,13 @@ def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
         f"What is named acts in {' and '.join(sorted(own))}, but leaves part of the gap: most of "
         f"the whole looks as if it came from {where[0].location}."
     ]
+
+
+def _drive_noise(setting: Setting) -> float:
+    """Noise of measured drives, of their amplitudes: the median; 0 without any."""
+    drives = [(r.t, r.drive) for r in setting.recordings if r.measured_drive and np.ptp(r.drive)]
+    found = [noise_level(t, y) / (np.sqrt(2.0) * y.std()) for t, y in drives]
+    return float(np.median(found)) if found else 0.0
 
 
 def _joined(numbers: Sequence[int]) -> str:
