@@ -1,6 +1,7 @@
 """Motions whose course is known exactly."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from scipy.optimize import brentq
 
 from tests.rig.events import by_events, consistent
 from tp_jax.rig import BENCH, RigParameters, VirtualRig
-from tp_jax.rig.hooks import Hooks
+from tp_jax.rig.equations import equations
+from tp_jax.rig.hooks import Hooks, Instant
 from tp_jax.rig.motion import Motion
 
 TS = np.arange(2501) / 250.0
@@ -174,3 +176,11 @@ def test_two_hundred_rigs_run_without_chatter():
         assert np.isfinite(y).all()
         # at most: both bodies stop and start again in every half swing of drive and column
         assert rig.switches <= 8 * 2.0 * (omega + p.natural_frequency) / (2.0 * np.pi)
+
+
+def test_a_step_on_trial_far_past_a_stop_is_a_number():
+    """Seen on a rig with T0 = 900 s/rad: the simulator ended in an OverflowError."""
+    p = dataclasses.replace(BENCH, T0=900.0)
+    rates, _, limit = equations(p, Hooks(), Instant(), lambda t: 0.0, 1.0)
+    assert math.isfinite(limit(1.0, -10.0, False))
+    assert all(map(math.isfinite, rates(0.0, 0.0, 0.0, 0.0, -10.0, [], 1.0, 1.0)))

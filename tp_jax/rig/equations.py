@@ -27,6 +27,10 @@ Rates = Callable[..., tuple[float, float, float, float]]
 #: (instant's side, speed, at rest) -> limit of dry friction [N m].
 Limit = Callable[[float, float, bool], float]
 
+FAR = 100.0
+"""Exponent of the contact's law at most: a step on trial may go far past a stop, to a speed below
+zero whose exponential is no number."""
+
 
 def equations(
     p: RigParameters, hooks: Hooks, m: Instant, angle: Callable[[float], float], duration: float
@@ -61,7 +65,7 @@ def equations(
         return limit
 
     def limit2(side: float, speed: float, stuck: bool) -> float:
-        dry = Ts1 - Tst * expm1(-T0 * speed)
+        dry = Ts1 - Tst * expm1(min(-T0 * speed, FAR))
         if not grip:
             return dry
         m.side, m.speed, m.stuck = side, speed, stuck
