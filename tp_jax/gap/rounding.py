@@ -78,12 +78,16 @@ def _beneath(sigma: np.ndarray, step: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(sigma**2 - step**2 / 12.0, (LEAST_NOISE * step) ** 2))
 
 
-def rounding(fit: Fit, setting: Setting, columns: np.ndarray, block: np.ndarray) -> Rounding | None:
+def rounding(
+    fit: Fit, setting: Setting, jac: np.ndarray, gain: np.ndarray, follow: np.ndarray,
+    block: np.ndarray,
+) -> Rounding | None:  # fmt: skip
     """What draws the scores of a fit's readings; None where noise hides all their steps.
 
     Args:
         fit: to the campaign. setting: the campaign.
-        columns: (w, m, k) derivatives, window states projected out. block: (w,) of each window.
+        jac: (w, m, u) derivatives. gain: (w, 4, u) how the window states follow.
+        follow: (u, k) the columns of which scores are wanted. block: (w,) of each window.
     """
     w, lin = fit.problem.windows, fit.linearisation
     steps = np.zeros((len(setting.recordings), 2))
@@ -97,5 +101,5 @@ def rounding(fit: Fit, setting: Setting, columns: np.ndarray, block: np.ndarray)
     residual = lin.samples.reshape(w.n, -1, 2) * fit.problem.sigma[:, None]
     at = w.first[:, None] + np.minimum(np.arange(residual.shape[1]), w.count[:, None] - 1)
     data = np.stack([setting.prepared[r].y[rows] for r, rows in zip(w.recording, at, strict=True)])
-    columns = columns.astype(np.float32)
+    columns = ((jac + lin.states_jac @ gain) @ follow).astype(np.float32)
     return Rounding(fit.problem, data + residual, steps[w.recording], columns, block)

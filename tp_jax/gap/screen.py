@@ -188,8 +188,7 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
             )
         )  # fmt: skip
     covariance = inverse / np.outer(scale[:nb], scale[:nb])
-    projected = (jac + lin.states_jac @ elim.state_gain) @ follow
-    rounded = rounding(fit, setting, projected, block)
+    rounded = rounding(fit, setting, jac, elim.state_gain, follow, block)
     return Screen(tuple(scored), V, joint, missing, total, covariance, rounded)
 
 
