@@ -10,7 +10,7 @@ from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.ladder import Ladder, problem_of
 from tp_jax.estimation.least_squares import parameter
-from tp_jax.estimation.problem import columns, spread
+from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.traced_windows import evaluate, traced
 from tp_jax.estimation.weak_form import WeakForm
 

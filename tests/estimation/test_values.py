@@ -6,7 +6,7 @@ import pytest
 from tests.rigs import OMEGAS, bench_values, whole_layout
 from tp_jax.effects import catalogue
 from tp_jax.estimation.layout import Layout, Unknown
-from tp_jax.estimation.problem import columns
+from tp_jax.estimation.linearisation import columns
 from tp_jax.model import DoubleTorsionPendulum, SingleTorsionPendulum
 
 UNKNOWNS = (

@@ -8,7 +8,8 @@ import numpy as np
 
 from tp_jax.estimation.elimination import Eliminated, eliminate
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.problem import Linearisation, Problem, columns, spread
+from tp_jax.estimation.linearisation import Linearisation, columns, spread
+from tp_jax.estimation.problem import Problem
 from tp_jax.model.parameters import Parameter
 
 log = logging.getLogger(__name__)

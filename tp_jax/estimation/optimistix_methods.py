@@ -22,7 +22,8 @@ from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Layout, Unknown, Values
 from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, Fit, parameter
-from tp_jax.estimation.problem import Problem, columns, spread
+from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.traced_windows import Traced, evaluate, traced
 from tp_jax.estimation.unbounded import Unbounded

@@ -12,7 +12,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from tp_jax.estimation.problem import Linearisation
+from tp_jax.estimation.linearisation import Linearisation
 
 Loss = Literal["linear", "huber", "soft-l1", "cauchy"]
 LOSSES: tuple[str, ...] = get_args(Loss)

@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from tp_jax.estimation.layout import Layout, Values
-from tp_jax.estimation.problem import LANES, Problem, columns
+from tp_jax.estimation.linearisation import columns
+from tp_jax.estimation.problem import LANES, Problem
 from tp_jax.estimation.program import Block, linearise
 from tp_jax.estimation.robust import Loss, robustify
 from tp_jax.simulation.lanes import Tolerances

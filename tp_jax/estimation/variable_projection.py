@@ -18,7 +18,8 @@ from tp_jax.estimation.bounded_step import LONGEST_LOG, bounded_step
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, Fit, parameter
-from tp_jax.estimation.problem import Linearisation, Problem, columns, spread
+from tp_jax.estimation.linearisation import Linearisation, columns, spread
+from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.window_states import settle, state_steps
 from tp_jax.model.parameters import Parameter

@@ -13,7 +13,8 @@ import numpy as np
 
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import MAX_STATE_STEP
-from tp_jax.estimation.problem import Linearisation, Problem
+from tp_jax.estimation.linearisation import Linearisation
+from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.windows import Windows
 

@@ -12,6 +12,19 @@ from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap.backward import Tested, pruned, replaced
 from tp_jax.gap.confirmation import Confirmation, confirm
 from tp_jax.gap.crossvalidation import gain, left_out_cost
+from tp_jax.gap.earning import (
+    CLEARLY,
+    LEAST_PART,
+    LIKELIER,
+    NOISE_ALONE,
+    PER_AMPLITUDE,
+    TIE,
+    TIE_PART,
+    clearly,
+    earned,
+    likeliest,
+    most_promising,
+)
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import floor_error
 from tp_jax.gap.left_out import LeftOut, groups, largest_share, left_out, shares
@@ -26,20 +39,10 @@ log = logging.getLogger(__name__)
 REFITTED = (6, 4, 4)  # candidates refitted in each round
 ALWAYS, SETTLED = 3, 0.05  # once so many are refitted and so little of the gap is left, stop
 BY_CHANCE = 2.0  # standard deviations of a sum of squares of noise alone
-EARNS = 2.5  # standard errors by which a cause must lower the left-out cost
-TIE, TIE_PART = 2.0, 0.1  # tied: within two standard errors, and within a tenth of the gain
 LONGER = 2  # times that windows are made three times as long, where that is done
 LENGTHEN = 1.15  # chi2/dof of the final model above which it is fitted on longer windows too
-MOST_PART = 0.5  # of the removable gap: a cause that takes so much is not asked for its scatter
-SURELY = 5.0  # standard deviations of chance, for a gap to be one
-LIKELIER, PER_AMPLITUDE = 16.0, 4.0  # twice a logarithm of likelihoods, of many candidates
-NOISE_ALONE = 0.1  # of the noise's variance: three standard errors of that and more
 SMOOTHING = 0.5  # of what is left: if sharper friction takes so much, it is looked at without
 LITTLE = 0.5  # of the noise's variance: less is looked at with sharp friction too
-LEAST_PART = 0.01  # of the removable gap that a cause must take with it, or be the last of it
-CLEARLY = 64.0  # twice a logarithm of likelihoods, of a cause that takes less
-ZEROS = ("zero1", "zero2")
-BESIDE = 0.25  # of what it takes: what others may still promise
 FURTHER = 60  # steps more of a polish that has not ended
 ALTERNATIVES = 3  # effects that are asked for confirmation in one round
 PAIR = 1.1  # times what the best effect promises: two that promise more are both refitted
@@ -156,8 +159,8 @@ def choose(
                     trial = regrown(setting, current.fit, trial)
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
-        best = _likeliest(refits) if small else _most_promising(refits, gains, block)
-        if small or _earned(*gains[best], left_now, refits[best]):
+        best = likeliest(refits) if small else most_promising(refits, gains, block)
+        if small or earned(*gains[best], left_now, refits[best]):
             # What comes next is a look at every effect without states beside those that are in.
             programs = current.fit.problem.programs
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
@@ -173,7 +176,7 @@ def choose(
             refits[best] = polished
             gains[best] = drop, error = gain(reference, left_out_cost(polished.fit), block)
             log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
-            if not (small or _earned(drop, error, left_now, polished)):
+            if not (small or earned(drop, error, left_now, polished)):
                 break
             keener = None
             # Where smoothing may be what is left, the cause has to earn its place without it too.
@@ -181,9 +184,9 @@ def choose(
                 progress("sharpening the friction", None)
                 keener = sharper(setting, polished)
             if small:
-                if not _clearly(setting, sharp, keener, seed):
+                if not clearly(setting, sharp, keener, seed):
                     break
-            elif before is sharp.fit and not _earned(
+            elif before is sharp.fit and not earned(
                 *gain(left_out_cost(before), left_out_cost(keener.fit), block),
                 max(removable(before), 0.0), keener,
             ):  # fmt: skip
@@ -200,7 +203,7 @@ def choose(
             others = {id: r for id, r in refits.items() if id not in confirmations}
             if not others:
                 break
-            best = _most_promising(others, {id: gains[id] for id in others}, block)
+            best = most_promising(others, {id: gains[id] for id in others}, block)
         rounds.append(
             Round(before, current.fit, seen, structure, refits, gains, taken, confirmations)
         )
@@ -338,63 +341,6 @@ def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:
     return after < SMOOTHING * left or left < LITTLE * before.dof
 
 
-def _earned(drop: float, error: float, gap: float, result: Refit) -> bool:
-    """Whether a fall of the left-out sum of squares makes a cause of an effect.
-
-    A cause that shows in a few blocks only has a large scatter and is no less real: half of a gap
-    that is there beyond chance, gone from data left out, is enough; and so is a likelihood ratio
-    where the effect leaves noise alone, since then it is one.
-
-    Args:
-        drop, error: fall and its standard error. gap: of the baseline, in the same unit.
-        result: the fit with it.
-    """
-    if drop <= LEAST_PART * gap:
-        return False
-    chance = np.sqrt(2.0 * result.fit.dof)
-    ratio = LIKELIER + PER_AMPLITUDE * _amplitudes(result)
-    return bool(
-        drop > EARNS * error
-        or (gap > SURELY * chance and drop > MOST_PART * gap)
-        or (removable(result.fit) < NOISE_ALONE * result.fit.dof and drop > ratio)
-    )
-
-
-def _likeliest(refits: dict[str, Refit]) -> str:
-    """The refit with the smallest sum of squares, amplitudes counted.
-
-    What is left out says less than the fit itself where an effect takes next to nothing.
-    """
-    return min(refits, key=lambda id: refits[id].cost + PER_AMPLITUDE * _amplitudes(refits[id]))
-
-
-def _clearly(setting: Setting, before: Refit, after: Refit, seed: int) -> bool:
-    """Whether an effect that takes next to nothing of a large gap is there beyond doubt.
-
-    A law of friction that is not quite the rig's leaves something too, which other effects take in
-    part. So such an effect is a cause only if it takes more than the best of many would, and what
-    it leaves is noise: of its size, with no readings off, and nothing else promises much.
-
-    Args:
-        before, after: with sharp friction.
-    """
-    took = before.cost - after.cost
-    if took <= CLEARLY + PER_AMPLITUDE * _amplitudes(after):
-        return False
-    if removable(after.fit) > NOISE_ALONE * after.fit.dof:
-        return False
-    if free_structure(setting, after.fit).p < POLICY.structure.left:
-        return False
-    seen = screen(after.fit, setting, skip=after.ids, states=False)
-    promised = max((s.drop for s in seen.scored), default=0.0)
-    return promised <= BESIDE * took or structure_test(seen, seed).p >= POLICY.structure.seen
-
-
-def _amplitudes(result: Refit) -> int:
-    """Of the effect that came last."""
-    return len(result.variants[-1].unknowns)
-
-
 def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:
     """The effects worth a refit, best first; one at least.
 
@@ -413,20 +359,6 @@ def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> li
     if len(setting.fitted) < 2:
         ranked = [s for s in ranked if not s.variant.effect.drifts] or ranked[:1]
     return [s for s in ranked if s.drop > 0.0] or ranked[:1]
-
-
-def _most_promising(
-    refits: dict[str, Refit], gains: dict[str, tuple[float, float]], block: np.ndarray
-) -> str:
-    """The refit with the largest left-out gain; among those tied with it, the simplest."""
-    top = max(gains, key=lambda id: gains[id][0])
-    costs = {id: left_out_cost(r.fit) for id, r in refits.items()}
-    tied = []
-    for id in refits:
-        behind, error = gain(costs[id], costs[top], block)
-        if id == top or (behind < TIE * error and behind < TIE_PART * gains[top][0]):
-            tied.append(id)
-    return min(tied, key=lambda id: (_amplitudes(refits[id]), -gains[id][0]))
 
 
 def tied_by_gain(choice: Choice, setting: Setting) -> list[list[str]]:

@@ -9,7 +9,8 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.least_squares import Fit, parameter
-from tp_jax.estimation.problem import Problem, columns, room, spread
+from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.windows import Prepared, cut
 from tp_jax.gap.screen import Scored, pseudo_inverse
 

@@ -9,7 +9,7 @@ from tp_jax.effects import get as get_effect
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.problem import Linearisation, spread
+from tp_jax.estimation.linearisation import Linearisation, spread
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_torques import free_columns
 from tp_jax.gap.policy import POLICY
