@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from tp_jax.recordings import load_campaign as load_campaign
     from tp_jax.sensitivity_analysis.analysis import SensitivityAnalysis as SensitivityAnalysis
     from tp_jax.sensitivity_analysis.analysis import sensitivity as sensitivity
+    from tp_jax.simulation.reversal_controller import ReversalController as ReversalController
+    from tp_jax.simulation.rodas4 import Rodas4 as Rodas4
     from tp_jax.simulation.sensitivities import Sensitivities as Sensitivities
     from tp_jax.simulation.sensitivities import sensitivities as sensitivities
     from tp_jax.simulation.solve import Trajectory as Trajectory
@@ -60,6 +62,8 @@ _WITH_JAX = {
     "Diagnosis": ("tp_jax.gap.diagnosis", "Diagnosis"),
     "DoubleTorsionPendulum": ("tp_jax.model.pendulum", "DoubleTorsionPendulum"),
     "Sensitivities": ("tp_jax.simulation.sensitivities", "Sensitivities"),
+    "ReversalController": ("tp_jax.simulation.reversal_controller", "ReversalController"),
+    "Rodas4": ("tp_jax.simulation.rodas4", "Rodas4"),
     "SensitivityAnalysis": ("tp_jax.sensitivity_analysis.analysis", "SensitivityAnalysis"),
     "SingleTorsionPendulum": ("tp_jax.model.pendulum", "SingleTorsionPendulum"),
     "Sweep": ("tp_jax.simulation.sweep", "Sweep"),
@@ -85,6 +89,8 @@ __all__ = [
     "DoubleTorsionPendulum",
     "InputError",
     "Recording",
+    "ReversalController",
+    "Rodas4",
     "Sensitivities",
     "SensitivityAnalysis",
     "SingleTorsionPendulum",

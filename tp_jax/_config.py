@@ -9,13 +9,12 @@ wait for it.
 Three environment variables matter:
 
 `XLA_FLAGS`
-    On a CPU, XLA runs a loop operation by operation, each an own call, unless what the loop
-    carries is small (a kilobyte); then it makes one piece of machine code of it. A simulation is
-    such a loop, and ten times faster in one piece, so the limit is raised here, before the first
-    program is compiled. Its inner loops, over a few lanes each, are left as loops too: unrolled,
-    the whole is larger than a processor's cache of instructions, takes half as long again to
-    compile and is no faster. Both hold for all programs of the process. `TP_JAX_SMALL_LOOPS=off`
-    leaves them alone, and so does an `XLA_FLAGS` that sets the limit itself.
+    A simulation is a loop as one piece of machine code, whatever is set here
+    (`tp_jax.simulation.one_piece`). Its inner loops, over a few lanes each, are left as loops:
+    unrolled, the whole is larger than a processor's cache of instructions and takes longer to
+    compile; a diagnosis takes a sixth more. And all other loops are compiled in one piece too, up
+    to a limit. Both hold for all programs of the process. `TP_JAX_SMALL_LOOPS=off` leaves them
+    alone, and so does an `XLA_FLAGS` that sets the limit itself.
 
 `EQX_ON_ERROR`
     diffrax's checks of its own results keep a compiled program out of JAX's persistent cache
@@ -50,7 +49,7 @@ def use_float64() -> None:
 
 
 def compile_small_loops() -> None:
-    """Let XLA compile loops as large as a simulation's in one piece (see above).
+    """Let XLA compile large loops in one piece, and leave small ones loops (see above).
 
     Options of this kind that a version of XLA does not know are ignored by it.
     """
@@ -83,7 +82,7 @@ def cache_folder() -> Path:
 
 
 def enable_compilation_cache() -> bool:
-    """Prepares this process for the package: loops compile in one piece, programs are kept.
+    """Prepares this process for the package: programs are kept for the next one.
 
     The one call for scripts and notebooks; the command line does so by itself. To be made before
     anything is compiled and before equinox is imported, for what it sets holds for the whole

@@ -7,12 +7,7 @@ from pathlib import Path
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
-from tp_jax._config import (
-    cache_folder,
-    compile_small_loops,
-    enable_compilation_cache,
-    use_float64,
-)
+from tp_jax._config import cache_folder, use_float64
 
 # before Numba is imported: what it compiles belongs beside what JAX compiles
 os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder().parent / "numba"))
@@ -81,10 +76,7 @@ def _listed(known: Sequence[str]):
 
 def _bench(args: argparse.Namespace) -> int:
     folder = made_folder(args.out)
-    # before JAX starts, which asking for its devices makes it do
-    compile_small_loops()
-    use_float64()
-    enable_compilation_cache()
+    use_float64()  # and no other setting: in a plain process, as a user has it
 
     from . import machine, peers, problem, table
     from .bench import TARGET, Bench

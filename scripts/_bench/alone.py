@@ -13,7 +13,7 @@ from pathlib import Path
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
-from tp_jax._config import compile_small_loops, enable_compilation_cache, use_float64
+from tp_jax._config import use_float64
 
 FEW = 256
 """Lanes of the sweep that costs are relative to."""
@@ -38,9 +38,7 @@ def sweep_alone(lanes: int, eps: float, tol: float, duration: float) -> dict:
 
 def _here(lanes: int, eps: float, tol: float, duration: float) -> dict:
     """Two lanes first, to see what the program itself takes."""
-    compile_small_loops()
     use_float64()
-    enable_compilation_cache()
 
     from .peers import ours
     from .problem import sweep, times

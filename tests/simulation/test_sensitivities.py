@@ -134,7 +134,7 @@ def test_directions_are_data(traces):
     names = ("omega", "reaction", "B2", "B2", *NAMES[4:])
     _, expected = variational(double, p, names, TS, y0)
     assert (errors(found, expected)[4:] < 1e-3).all()
-    assert not traces
+    assert len(traces) <= 1  # none, where another test has compiled it
 
 
 def test_numbers_that_do_nothing():

@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax.simulation.control import Control, factor
+from tp_jax.simulation.one_piece import in_one_piece, put_rows
 from tp_jax.simulation.runs import PASSES, SMALLEST, attempt, clock_rate, put, reached
 from tp_jax.simulation.step import Restart, between, structure
 from tp_jax.simulation.tableau import RODAS4
@@ -239,24 +240,24 @@ def integrate(
     def outer(carry):
         i, state, y, s, taken = carry
         state, values, tangents, places = inner(state)
-        y = y.at[lane, places].set(values, mode="promise_in_bounds")
-        s = s.at[lane, places].set(tangents, mode="promise_in_bounds")
         # A lane steps in every pass until it is done, so that a row's place says how often it did.
         passes = jnp.broadcast_to(PASSES * i + jnp.arange(PASSES)[:, None, None], places.shape)
-        taken = taken.at[lane, places].set(passes, mode="promise_in_bounds")
+        y, s, taken = put_rows((y, s, taken), lane, places, (values, tangents, passes))
         limit = max_steps + 8 * lanes.count
         over = (state.k < lanes.count) & (~(state.h >= SMALLEST) | (state.steps > limit))
         return i + 1, state._replace(k=jnp.where(over, n + 1, state.k)), y, s, taken
 
-    zero = jnp.zeros(width)
-    none = [0.0 * unit] * nc
-    state = _State(
-        lanes.ts[0], jnp.zeros(width, int), zero + first, jnp.zeros(width, int), list(y0),
-        [zero] * nc, none, none,
-    )  # fmt: skip
-    y, s = jnp.zeros((width, n + 1, nc)), jnp.zeros((width, n + 1, 4, nd))
-    carry = (0, state, y, s, jnp.zeros((width, n + 1), int))
-    carry = jax.lax.while_loop(lambda c: jnp.any(c[1].k < lanes.count), outer, carry)
-    _, state, y, s, taken = carry
+    def run():
+        zero = jnp.zeros(width)
+        none = [0.0 * unit] * nc
+        state = _State(
+            lanes.ts[0], jnp.zeros(width, int), zero + first, jnp.zeros(width, int), list(y0),
+            [zero] * nc, none, none,
+        )  # fmt: skip
+        y, s = jnp.zeros((width, n + 1, nc)), jnp.zeros((width, n + 1, 4, nd))
+        carry = (0, state, y, s, jnp.zeros((width, n + 1), int))
+        return jax.lax.while_loop(lambda c: jnp.any(c[1].k < lanes.count), outer, carry)
+
+    _, state, y, s, taken = in_one_piece(run)
     complete = state.k == lanes.count
     return Integrated(y[:, :n], s[:, :n], state.steps, complete, taken[:, :n])

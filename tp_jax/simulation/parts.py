@@ -1,5 +1,6 @@
 """A pendulum taken apart into the numbers that the engine works with, and put together again."""
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -8,24 +9,27 @@ import numpy as np
 from jaxtyping import Array
 
 from tp_jax.model.pendulum import AbstractTorsionPendulum
-from tp_jax.simulation.step import Field
 
 
 class Parts(NamedTuple):
     """Numbers of a pendulum, or of many that differ in nothing but numbers.
 
     names: of the numbers, by their place in the pendulum ("spring.k"); values: each () or (N,);
-    field: derivatives of the state with those numbers, elementwise over lanes; eps: places of the
-    two smoothing slopes in `values`; n_states: components of the state; template: a pendulum of
-    the same structure with all numbers zero, to compile for.
+    model_of: the pendulum with other such numbers; eps: places of the two smoothing slopes in
+    `values`; n_states: components of the state; template: a pendulum of the same structure with
+    all numbers zero, to compile for.
     """
 
     names: tuple[str, ...]
     values: tuple[Array, ...]
-    field: Field
+    model_of: Callable[[Sequence[Array]], AbstractTorsionPendulum]
     eps: tuple[int, int]
     n_states: int
     template: AbstractTorsionPendulum
+
+    def field(self, t: Array, y: tuple, p: Sequence[Array]) -> tuple:
+        """Derivatives of the state with the numbers p, elementwise over lanes."""
+        return self.model_of(p).derivative(t, y)
 
 
 def take_apart(model: AbstractTorsionPendulum) -> Parts:
@@ -42,11 +46,11 @@ def take_apart(model: AbstractTorsionPendulum) -> Parts:
     fixed = [name.rsplit(".")[-1] in ("knots", "coefficients") for name in names]
     numbers = [i for i, f in enumerate(fixed) if not f]
 
-    def field(t, y, p):
+    def model_of(p):
         whole = list(leaves)
         for i, value in zip(numbers, p, strict=True):
             whole[i] = value
-        return eqx.combine(jax.tree.unflatten(tree, whole), static).derivative(t, y)
+        return eqx.combine(jax.tree.unflatten(tree, whole), static)
 
     zero = np.zeros(())  # on the host: an operation on a device costs as much as a hundred steps
     zeros = [leaf if f else zero for leaf, f in zip(leaves, fixed, strict=True)]
@@ -54,6 +58,6 @@ def take_apart(model: AbstractTorsionPendulum) -> Parts:
     kept = tuple(names[i] for i in numbers)
     eps = tuple(kept.index(n) for n in ("bearing.eps", "contact.eps") if n in kept)
     return Parts(
-        kept, tuple(leaves[i] for i in numbers), field, (eps[0], eps[-1]),
+        kept, tuple(leaves[i] for i in numbers), model_of, (eps[0], eps[-1]),
         model.n_states, template,
     )  # fmt: skip

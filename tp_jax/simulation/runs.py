@@ -5,9 +5,7 @@ step; a lane that has finished its run takes the next one of the queue, so that 
 and crawls keeps one lane busy and no other waiting.
 
 Two loops, one in the other. The inner one steps, and writes what falls between two steps into a
-small buffer, row by row; XLA makes one piece of machine code of it when it may (see
-`tp_jax._config.compile_small_loops`), which is ten times faster than the same loop run operation
-by operation. The outer one sorts the rows into the result and hands out new runs.
+small buffer, row by row. The outer one sorts the rows into the result and hands out new runs.
 
 Tangents are the exact derivatives of the steps taken, their sizes held fixed
 (`tp_jax.simulation.tangents`).
@@ -20,6 +18,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax.simulation.control import Control, error_ratio, factor, layers, reversal_rate
+from tp_jax.simulation.one_piece import in_one_piece, put_rows
 from tp_jax.simulation.step import Field, Restart, Stepped, Structure, advance, between, structure
 from tp_jax.simulation.tableau import RODAS4
 from tp_jax.simulation.tangents import Curvature, curvature, differentiate, linear
@@ -187,44 +186,49 @@ def integrate(
         return lanes, values, places
 
     def outer(carry):
-        following, run, lanes, y, steps, doubt, complete = carry
+        following, run, lanes, y, at_end = carry
         lanes, values, places = inner(run, lanes)
-        y = y.at[run, places].set(values, mode="promise_in_bounds")
-        steps = steps.at[run].set(lanes.steps)
-        doubt = doubt.at[:, run].set(lanes.doubt)
+        (y,) = put_rows((y,), run, places, (values,))
         over = (lanes.k < n) & (~(lanes.h >= SMALLEST) | (lanes.steps > max_steps))
         lanes = lanes._replace(k=jnp.where(over, n + 1, lanes.k))
         done = lanes.k >= n
-        complete = complete.at[run].set(lanes.k == n)
+        first = jnp.zeros_like(run)
+        at_end = put_rows(at_end, run, first, (lanes.steps, lanes.doubt.T, lanes.k == n))
         turn = following + jnp.cumsum(done) - 1
         fresh = done & (turn < active)
         run = jnp.where(fresh, turn, run)
         new = begin(run)
         lanes = jax.tree.map(lambda a, b: jnp.where(fresh, a, b), new, lanes)
-        return following + jnp.sum(fresh), run, lanes, y, steps, doubt, complete
+        return following + jnp.sum(fresh), run, lanes, y, at_end
 
     def unfinished(carry):
         return jnp.any(carry[2].k < n)
 
-    run = jnp.arange(width)
-    lanes = begin(run)
-    lanes = lanes._replace(k=jnp.where(run < active, lanes.k, n + 1))
-    y = jnp.full((n_runs, n + 1, rows), jnp.inf)
-    initial = jnp.zeros((n_runs, rows)).at[:, :wanted].set(y0[:wanted].T)
-    if nd:
-        initial = initial.at[:, wanted:].set(jnp.eye(changing, nd).reshape(-1))
-    y = y.at[:, 0].set(initial)
-    carry = (
-        jnp.array(width), run, lanes, y, jnp.zeros(n_runs, int), jnp.zeros((nd, n_runs)),
-        jnp.zeros(n_runs, bool),
-    )  # fmt: skip
-    _, _, _, y, steps, doubt, complete = jax.lax.while_loop(unfinished, outer, carry)
+    def every() -> tuple:
+        run = jnp.arange(width)
+        lanes = begin(run)
+        lanes = lanes._replace(k=jnp.where(run < active, lanes.k, n + 1))
+        y = jnp.full((n_runs, n + 1, rows), jnp.inf)
+        initial = jnp.zeros((n_runs, rows)).at[:, :wanted].set(y0[:wanted].T)
+        if nd:
+            initial = initial.at[:, wanted:].set(jnp.eye(changing, nd).reshape(-1))
+        y = y.at[:, 0].set(initial)
+        at_end = (
+            jnp.zeros((n_runs, 1), int),
+            jnp.zeros((n_runs, 1, nd)),
+            jnp.zeros((n_runs, 1), bool),
+        )
+        carry = (jnp.array(width), run, lanes, y, at_end)
+        return jax.lax.while_loop(unfinished, outer, carry)[3:]
+
+    y, (steps, doubt, complete) = in_one_piece(every)
+    steps, doubt, complete = steps[:, 0], doubt[:, 0], complete[:, 0]
     y = y[:, :n]
     if not nd:
         return Ran(y, None, steps, complete, None)
     s = y[..., wanted:].reshape(n_runs, n, changing, nd)
     largest = jnp.max(jnp.abs(s[:, :, :2]), axis=(1, 2))
-    return Ran(y[..., :wanted], s, steps, complete, doubt.T / jnp.maximum(largest, 1e-300))
+    return Ran(y[..., :wanted], s, steps, complete, doubt / jnp.maximum(largest, 1e-300))
 
 
 def _pass(
@@ -298,7 +302,7 @@ def attempt(
     Returns:
         Its size [s], the step, and its error against what is allowed (`control.error_ratio`).
     """
-    natural = jnp.ones_like(t) * _natural(field, t, y, q)
+    natural = jnp.ones_like(t) * natural_frequency(field, t, y, q)
     known = None if jumps is None else layers(f, jumps, natural, c)
     h = 1.0 / jnp.maximum(jnp.maximum(1.0 / h, 1.0 / room), reversal_rate(y, f, e, c, known))
     new = advance(field, shape, RODAS4, t, h, y, f, q, restart)
@@ -316,7 +320,7 @@ def put(rows: Array, value: Array, i: Array, r: int) -> Array:
     return jax.lax.dynamic_update_slice(rows, value[None, None], place)
 
 
-def _natural(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
+def natural_frequency(field: Field, t: Array, y: list[Array], q: tuple) -> Array:
     """Natural frequency of the column [rad/s], from the spring's pull at this instant.
 
     Where nothing pulls, in a spring's play or without a spring, `SLOWEST`: an error of a velocity

@@ -9,10 +9,12 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Float
 
 from tp_jax.model.pendulum import AbstractTorsionPendulum
 from tp_jax.simulation.control import Control
+from tp_jax.simulation.one_piece import loops_in_one_piece
 from tp_jax.simulation.parts import Parts, take_apart
 from tp_jax.simulation.runs import integrate
 
@@ -42,12 +44,13 @@ def simulate(
     solver: diffrax.AbstractSolver | None = None,
     max_steps: int = 1_000_000,
 ) -> Trajectory:
-    """Motion of a pendulum at given times.
+    """Motion of a pendulum at given times, by `diffrax.diffeqsolve`.
 
-    Works under `jit`, `vmap`, `jvp` and `grad`, in the model's numbers and `y0` (not in the knots
-    of a measured drive). Derivatives are those of the steps taken; all numbers together cost
-    a few runs. For many pendulums at once `sweep` is faster, for derivatives with a word on
-    whether to trust them, `sensitivities`.
+    With the package's `Rodas4` and `ReversalController`, which know dry friction. Works under
+    `jit`, `vmap`, `jvp` and `grad`, in the model's numbers and `y0` (not in the knots of a measured
+    drive). Derivatives are those of the steps taken; all numbers together cost a few runs. For many
+    pendulums at once `sweep` is faster, for derivatives and whether to trust them,
+    `sensitivities`.
 
     Args:
         model: `DoubleTorsionPendulum` or `SingleTorsionPendulum`.
@@ -56,8 +59,8 @@ def simulate(
             states, where they have any); rest if None.
         tolerance: error of an angle in one step [rad]. That of a whole run of ten seconds is
             about the same; `scripts/bench` shows it.
-        solver: a diffrax solver instead of the package's own engine, with `tolerance` both
-            relative and absolute.
+        solver: another solver of diffrax, with its `PIDController` and `tolerance` both relative
+            and absolute.
         max_steps: after so many steps the rest of the trajectory is infinite.
 
     Returns:
@@ -75,8 +78,10 @@ def simulate(
         raise ValueError(
             "Argument `model` must be one pendulum, but its numbers are arrays; use `sweep`."
         )
-    inputs = jnp.stack([*parts.values, *y0])
-    ys = _run(parts.template, inputs, ts, jnp.asarray(tolerance, float), solver, max_steps)
+    every = [*parts.values, *y0, tolerance]
+    here = jnp if any(isinstance(x, jax.core.Tracer) for x in every) else np
+    inputs = here.stack([here.asarray(x, dtype=float) for x in every])
+    ys = _run(parts.template, inputs[:-1], ts, inputs[-1], solver, max_steps)
     return Trajectory(jnp.asarray(ts), ys[:, 0], ys[:, 1], ys[:, 2], ys[:, 3])
 
 
@@ -145,61 +150,120 @@ def samples_per_step(n: int) -> int:
     return 2 if n <= 4000 else 4
 
 
-def _own(parts: Parts, max_steps: int) -> Callable:
-    """Runs (inputs, ts, tolerance) -> states (n, 4) on the package's own engine.
+def _states(parts: Parts, solver, controller, max_steps: int) -> Callable:
+    """Runs (inputs, ts, tolerance) -> states (n, 4) by diffrax."""
+    import diffrax
 
-    The engine gives all columns of the Jacobian beside the motion; a rule whose tangent is a
-    product with it can be transposed, which a loop of unknown length cannot.
+    def solve(inputs, ts, tolerance):
+        model = parts.model_of(tuple(inputs[: len(parts.values)]))
+        solution = diffrax.diffeqsolve(
+            diffrax.ODETerm(lambda t, y, _: model.derivative(t, y)),
+            solver,
+            t0=ts[0],
+            t1=ts[-1],
+            dt0=(ts[1] - ts[0]) * 1e-2,
+            y0=tuple(inputs[len(parts.values) :]),
+            saveat=diffrax.SaveAt(ts=ts),
+            stepsize_controller=controller(model, tolerance),
+            adjoint=diffrax.ForwardMode(),
+            max_steps=max_steps,
+            throw=False,
+        )
+        return jnp.stack(solution.ys[:4], axis=1)
+
+    return lambda inputs, ts, tolerance: loops_in_one_piece(solve, inputs, ts, tolerance)
+
+
+def _own(parts: Parts, max_steps: int) -> Callable:
+    """Runs (inputs, ts, tolerance) -> states (n, 4) by the package's own method.
+
+    Alone by diffrax; many by the batch engine, which takes the same steps. That gives all columns
+    of the Jacobian beside the motion too; a rule whose tangent is a product with it can be
+    transposed, which a loop of unknown length cannot.
     """
+    from tp_jax.simulation.reversal_controller import ReversalController
+    from tp_jax.simulation.rodas4 import Rodas4
+
     n_p = len(parts.values)
 
     def engine(inputs, ts, tolerance, directions):
-        p, y0 = inputs[:n_p, None], inputs[n_p:, None]
+        p, y0 = inputs[:, :n_p].T, inputs[:, n_p:].T
         eps = p[parts.eps[0]], p[parts.eps[1]]
         return integrate(
-            parts.field, tuple(p), y0, ts, eps, Control(angle=tolerance),
-            directions=directions, width=1, per_step=samples_per_step(ts.size), max_steps=max_steps,
+            parts.field, tuple(p), y0, ts, eps, Control(angle=tolerance), directions=directions,
+            per_step=samples_per_step(ts.size), max_steps=max_steps,
         )  # fmt: skip
+
+    def motions(inputs, ts, tolerance):
+        return engine(inputs, ts, tolerance, None).y
+
+    def derived(inputs, ts, tolerance):
+        ran = engine(inputs, ts, tolerance, jnp.arange(n_p))
+        # the engine's columns begin with the initial state
+        return ran.y, jnp.roll(ran.s, n_p, axis=-1)
+
+    derive = _of_one(derived)
+    states = _of_one(motions, _states(parts, Rodas4(), ReversalController, max_steps))
 
     @jax.custom_jvp
     def run(inputs, ts, tolerance):
-        return engine(inputs, ts, tolerance, None).y[0]
+        return states(inputs, ts, tolerance)
 
     @run.defjvp
     def _(primals, tangents):
-        inputs, ts, tolerance = primals
-        ran = engine(inputs, ts, tolerance, jnp.arange(n_p))
-        # the engine's columns begin with the initial state
-        return ran.y[0], ran.s[0] @ jnp.roll(tangents[0], inputs.size - n_p)
+        y, s = derive(*primals)
+        return y, s @ tangents[0]
 
     return run
 
 
+def _of_one(many: Callable, alone: Callable | None = None) -> Callable:
+    """A function of one run's (inputs, ts, tolerance) that calls `many` where it is mapped.
+
+    Args:
+        many: of inputs (N, m).
+        alone: of inputs (m,); `many` of one if None.
+    """
+
+    def batched(function: Callable, axes: int) -> Callable:
+        """`function` of inputs with so many axes before their last, with the rule."""
+        function = custom_vmap(function)
+
+        @function.def_vmap
+        def _(size, mapped, *args):
+            if mapped[1] or mapped[2]:  # times of their own: one after the other
+                args = [
+                    x if m else jnp.stack([x] * size) for x, m in zip(args, mapped, strict=True)
+                ]
+                found = jax.lax.map(lambda each: function(*each), tuple(args))
+            else:
+                inputs, ts, tolerance = args
+                several = inputs.reshape(-1, inputs.shape[-1])
+                found = flat(several, ts, tolerance)
+                if axes:
+                    found = jax.tree.map(lambda x: x.reshape(size, -1, *x.shape[1:]), found)
+            return found, jax.tree.map(lambda _: True, found)
+
+        return function
+
+    def of_one(inputs, ts, tolerance):
+        return jax.tree.map(lambda x: x[0], flat(inputs[None], ts, tolerance))
+
+    flat = batched(many, 1)
+    return batched(alone or of_one, 0)
+
+
 def _with_diffrax(parts: Parts, solver, max_steps: int) -> Callable:
-    """The same with a solver of diffrax.
+    """Runs (inputs, ts, tolerance) -> states (n, 4) with another solver of diffrax.
 
     Its adjoints offer one mode each; the Jacobian is built column by column in forward mode.
     """
     import diffrax
 
-    n_p = len(parts.values)
+    def controller(model, tolerance):  # noqa: ARG001
+        return diffrax.PIDController(rtol=tolerance, atol=tolerance)
 
-    def solve(inputs, ts, tolerance):
-        p = tuple(inputs[:n_p])
-        solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(lambda t, y, _: jnp.stack(parts.field(t, tuple(y), p))),
-            solver,
-            t0=ts[0],
-            t1=ts[-1],
-            dt0=(ts[1] - ts[0]) * 1e-2,
-            y0=inputs[n_p:],
-            saveat=diffrax.SaveAt(ts=ts),
-            stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance),
-            adjoint=diffrax.ForwardMode(),
-            max_steps=max_steps,
-            throw=False,
-        )
-        return solution.ys[:, :4]
+    solve = _states(parts, solver, controller, max_steps)
 
     @jax.custom_jvp
     def run(inputs, ts, tolerance):

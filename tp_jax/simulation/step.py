@@ -42,12 +42,15 @@ class Restart(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """A step: state y and its derivatives f at the end, embedded errors, stages; of (L,)."""
+    """A step: state y and its derivatives f at the end, embedded errors, stages, and the Jacobian
+    at its beginning; of (L,).
+    """
 
     y: list[Array]
     f: list[Array]
     error: list[Array]
     stages: list[list[Array]]
+    jacobian: Jacobian
 
 
 def structure(field: Field, n_states: int, n_parameters: int) -> Structure:
@@ -109,7 +112,7 @@ def advance(
         stages.append(solve(right))
     end = [settle(y[j] + combine(method.b, stages, j), h) for j in range(n)]
     error = [combine(method.b_error, stages, j) for j in range(n)]
-    return Stepped(end, list(field(*after(t + h, end, p, restart))), error, stages)
+    return Stepped(end, list(field(*after(t + h, end, p, restart))), error, stages, jac)
 
 
 def after(

@@ -1,8 +1,8 @@
 """What both diffrax peers share: the equations, and one program each for a run, a sweep, tangents.
 
-Compiled once for a number of samples; parameters, eps and tolerance are data. Whoever takes
-diffrax alone has slower loops than these: XLA compiles them as it does ours, since
-`tp_jax._config.compile_small_loops` holds for the whole process.
+Compiled once for a number of samples; parameters, eps and tolerance are data. XLA runs their loops
+operation by operation, as it does for whoever sets no flag; with one in `XLA_FLAGS`
+(`xla_cpu_small_while_loop_byte_threshold`) they are several times faster.
 """
 
 from concurrent.futures import ThreadPoolExecutor
