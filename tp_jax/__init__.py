@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tp_jax.checks import check as check
     from tp_jax.errors import InputError as InputError
     from tp_jax.estimation.identify import identify as identify
+    from tp_jax.estimation.nelder_mead import NelderMead as NelderMead
     from tp_jax.gap.diagnosis import Diagnosis as Diagnosis
     from tp_jax.gap.diagnosis import diagnose as diagnose
     from tp_jax.gap.predict import predict as predict
@@ -62,6 +63,7 @@ _WITH_JAX = {
     "Diagnosis": ("tp_jax.gap.diagnosis", "Diagnosis"),
     "DoubleTorsionPendulum": ("tp_jax.model.pendulum", "DoubleTorsionPendulum"),
     "Sensitivities": ("tp_jax.simulation.sensitivities", "Sensitivities"),
+    "NelderMead": ("tp_jax.estimation.nelder_mead", "NelderMead"),
     "ReversalController": ("tp_jax.simulation.reversal_controller", "ReversalController"),
     "Rodas4": ("tp_jax.simulation.rodas4", "Rodas4"),
     "SensitivityAnalysis": ("tp_jax.sensitivity_analysis.analysis", "SensitivityAnalysis"),
@@ -88,6 +90,7 @@ __all__ = [
     "Diagnosis",
     "DoubleTorsionPendulum",
     "InputError",
+    "NelderMead",
     "Recording",
     "ReversalController",
     "Rodas4",

@@ -1,4 +1,4 @@
-"""Nelder-Mead takes SciPy's steps, alone, under vmap and in batches."""
+"""Nelder-Mead takes SciPy's steps, alone, under vmap and from many simplices at once."""
 
 import jax
 import jax.numpy as jnp
@@ -6,10 +6,10 @@ import numpy as np
 import optimistix as optx
 import pytest
 import scipy.optimize
+from jax.custom_batching import custom_vmap
 from scipy.optimize import Bounds
 
-from tp_jax.estimation.nelder_mead import NelderMead
-from tp_jax.estimation.nelder_mead_batch import minimise_batch
+from tp_jax.estimation.nelder_mead import NelderMead, minimise_many
 from tp_jax.estimation.simplex import Box, initial_simplex
 
 
@@ -215,60 +215,79 @@ def test_a_wrong_simplex_is_told():
         )
 
 
-# Batches -------------------------------------------------------------------------------------
+# Many at once --------------------------------------------------------------------------------
 
 
-def counted(f, sizes):
-    many = jax.jit(jax.vmap(f))
+def in_lanes(f, seen=None):
+    """`f` for `minimise_many`, which asks it for many lanes at once."""
 
-    def objective(points, lanes):
-        assert lanes.shape == points.shape[:1]
-        sizes.append(len(points))
-        return np.asarray(many(jnp.asarray(points)))
+    @custom_vmap
+    def value(x, active):
+        return jnp.asarray(f(x), float)
 
-    return objective
+    @value.def_vmap
+    def _(size, mapped, x, active):
+        if seen is not None:
+            jax.debug.callback(lambda n: seen.append(int(n)), active)
+        return jax.vmap(lambda x: jnp.asarray(f(x), float))(x), True
+
+    return lambda x, lane, active: value(x, active)
 
 
-@pytest.mark.parametrize("ahead", [False, True])
 @pytest.mark.parametrize("name", ["rosenbrock in three", "powell", "crater", "stairs"])
-def test_batches_are_as_alone(name, ahead):
+def test_many_are_as_alone(name):
     f, start = CASES[name]
     starts = np.asarray(start) + 0.3 * np.random.default_rng(2).normal(size=(5, len(start)))
     starts[2] *= 30.0
-    sizes: list[int] = []
-    vertices = np.asarray(initial_simplex(starts))
-    found = minimise_batch(counted(f, sizes), vertices, ahead=ahead)
-    assert found.calls == len(sizes)
+    most = 200 * len(start)
+    found = minimise_many(
+        in_lanes(f), NelderMead(), np.asarray(initial_simplex(starts)), max_steps=most
+    )
     for lane, x in enumerate(starts):
         alone = optx.minimise(
-            lambda y, args: f(y), NelderMead(), jnp.asarray(x), max_steps=200 * len(start)
-            + 50, throw=False,
-        )  # fmt: skip
+            lambda y, args: f(y), NelderMead(), jnp.asarray(x), max_steps=most + 50, throw=False
+        )
         if not found.converged[lane]:
             continue
         np.testing.assert_allclose(found.x[lane], alone.value, rtol=1e-8, atol=1e-10)
         assert found.evaluations[lane] == int(alone.stats["evaluations"])
         assert found.iterations[lane] == int(alone.stats["iterations"])
     assert found.converged.sum() >= 3
-    most = int(found.iterations.max())
-    if ahead:  # one call an iteration, and one more for a shrink or the first simplex
-        assert found.calls <= 1.3 * most + 2
-    else:
-        assert sum(sizes) == found.evaluations.sum()
 
 
-def test_batch_ends_at_its_limits():
-    sizes: list[int] = []
-    vertices = np.asarray(initial_simplex(np.array([[-1.2, 1.0], [1.0, 1.0 + 1e-9]])))
-    found = minimise_batch(counted(rosenbrock, sizes), vertices, max_iterations=10)
+def test_lanes_that_have_ended_are_not_counted():
+    starts = np.array([[1.0, 1.0 + 1e-9], [-1.2, 1.0], [1.0 + 1e-9, 1.0], [-3.0, 4.0]])
+    simplices = 1e-3 * (np.asarray(initial_simplex(starts)) - starts[:, None]) + starts[:, None]
+    simplices[[1, 3]] = np.asarray(initial_simplex(starts[[1, 3]]))
+    seen: list[int] = []
+    found = minimise_many(in_lanes(rosenbrock, seen), NelderMead(), simplices, max_steps=400)
+    jax.effects_barrier()
+    assert found.converged.all()
+    assert seen[0] == 4 * 3  # all vertices of the first simplices at once
+    asked = seen[1:]
+    assert asked[0] == 2  # two simplices were small enough from the beginning
+    assert asked == sorted(asked, reverse=True)
+    assert asked[-1] == 1
+
+
+def test_many_end_at_their_limits():
+    starts = np.array([[-1.2, 1.0], [1.0, 1.0 + 1e-9]])
+    solver = NelderMead(max_iterations=10)
+    lanes = []
+    found = minimise_many(
+        in_lanes(rosenbrock), solver, np.asarray(initial_simplex(starts)), callback=lanes.append
+    )
     assert found.iterations.max() == 10
     assert not found.converged[0]
-    np.testing.assert_allclose(
-        found.simplex.vertices[0], scipy_simplex(rosenbrock, [-1.2, 1.0], 10)[0], rtol=1e-10
+    vertices, _ = scipy_simplex(rosenbrock, [-1.2, 1.0], 10)
+    np.testing.assert_allclose(lanes[-1].vertices[0], vertices, rtol=1e-10)
+    few = minimise_many(
+        in_lanes(rosenbrock), NelderMead(), np.asarray(initial_simplex(starts)), max_steps=20
     )
+    assert few.evaluations[0] < 20 + 8
 
 
-def test_batch_lives_with_points_without_value():
-    vertices = np.asarray(initial_simplex(np.array([[-0.49, 3.0], [2.0, 2.0]])))
-    found = minimise_batch(counted(cliff, []), vertices)
+def test_many_live_with_points_without_value():
+    starts = np.array([[-0.49, 3.0], [2.0, 2.0]])
+    found = minimise_many(in_lanes(cliff), NelderMead(), np.asarray(initial_simplex(starts)))
     np.testing.assert_allclose(found.x, [[0.0, 1.0]] * 2, atol=1e-3)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.rigs import bench_problem, choose, lossy, prepared, synthetic_campaign, synthetic_values
 from tp_jax.estimation.baseline import prepare_campaign
-from tp_jax.estimation.free_objective import FreeRunObjective
+from tp_jax.estimation.free_runs import FreeRuns
 from tp_jax.estimation.windows import Prepared, cut, prepare
 from tp_jax.recordings import stretches
 
@@ -102,9 +102,8 @@ def test_free_runs_go_on_through_gaps():
     campaign = synthetic_campaign(noise=1e-4)
     runs = [lossy(r, i, (0.5, 0.9), (1.3, 1.7)) for i, r in enumerate(campaign.recordings)]
     setting = prepare_campaign(dataclasses.replace(campaign, recordings=tuple(runs)), effects=())
-    objective = FreeRunObjective(setting)
+    objective = FreeRuns(setting)
     assert all(r.t[0] == 0.0 for r in runs)
-    objective.states[0] = 0.0  # as it was, not as the first readings tell
-    objective.states[0, 0, 0] = 1.2
-    y = objective(synthetic_values(setting))
+    objective.groups[0].states[0] = [1.2, 0.0, 0.0, 0.0]  # as it was, not as the readings tell
+    y = objective([synthetic_values(setting)])
     assert y == pytest.approx(1e-8, rel=0.1)  # the noise, and nothing where there is no sample

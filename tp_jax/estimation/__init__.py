@@ -10,9 +10,9 @@ variable_projection                  the same with the states projected out (win
                                      bounded_step); robust losses (robust)
 optimistix_methods                   Levenberg-Marquardt, Dogleg, BFGS (traced_windows, unbounded)
 blocks, intervals, noise_levels      scatter of blocks, intervals, noise by channel
-free_objective, free_runs            the paper's objective (17), one set of numbers or many
-simplex, nelder_mead                 the paper's method, for optimistix; nelder_mead_batch,
-                                     free_run_search: many at once
+free_runs                            the paper's objective (17), of many sets of numbers at once
+simplex, nelder_mead                 the paper's method, for optimistix, from one simplex or many;
+                                     free_run_search: on (17)
 starts, ladder, multistart           from where, over which horizons, who met whom (optima, outcome)
 success, checkpoint                  how often it works and what it costs; going on after Ctrl-C
 assemble                             a pendulum from the numbers of a fit

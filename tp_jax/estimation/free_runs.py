@@ -3,7 +3,10 @@
 import dataclasses
 from collections.abc import Sequence
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float, Int
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Layout, Values
@@ -11,59 +14,102 @@ from tp_jax.estimation.windows import Prepared
 from tp_jax.model.drive import PiecewiseCubicDrive
 from tp_jax.recordings import Recording
 from tp_jax.recordings.gaps import stretches
-from tp_jax.simulation.sweep import sweep
+from tp_jax.simulation.control import Control
+from tp_jax.simulation.runs import integrate
+from tp_jax.simulation.solve import samples_per_step
 
 AT_REST = 4.0  # standard errors: a first reading within them of rest is rest
 SLOW = 0.05  # of the largest rate: a decay that begins no faster was let go
 FIRST_SAMPLES = 4  # that the state at the beginning is read from
 POWERS = (0, 2)  # of time, in a motion that begins at rest
+SWEPT = 1e-6  # error of an angle in a step [rad], as in a sweep
+SIDE_BY_SIDE = 16  # lanes: of a search's hundred runs the longest end alone, in few lanes
 STEPS = 60  # per sample: numbers that need more are too stiff to be anybody's
 
 
-class FreeRuns:
+class FreeRuns(eqx.Module):
     """y = mean over recordings of (17): half the sum of the channels' mean squared errors.
 
     With one channel, its mean square. Forced runs start from rest and decays from where they were
-    let go, unless the first readings say otherwise.
+    let go, unless the first readings say otherwise. Traceable, and the same program for all
+    campaigns of the same recordings.
     """
 
+    layout: Layout = eqx.field(static=True)
+    groups: tuple["Group", ...]
+
     def __init__(self, setting: Setting):
-        self.setting = setting
         self.layout = Layout(setting.campaign.model, ())
-        self.states = {
-            r: first_state(setting.prepared[r], setting.recordings[r]) for r in setting.fitted
-        }
-        self.groups = _groups(setting)
+        self.groups = tuple(Group(setting, which) for which in _groups(setting))
 
-    def __call__(self, many: Sequence[Values]) -> np.ndarray:
-        """y (m,) [rad^2]; infinite where a run could not be integrated."""
-        total = np.zeros(len(many))
-        for group in self.groups:
-            total += self._group(many, group)
-        total /= len(self.setting.fitted)
-        return np.where(np.isfinite(total), total, np.inf)
-
-    def _group(self, many: Sequence[Values], group: list[int]) -> np.ndarray:
-        """Sum of (17) over recordings with the same times."""
-        first = self.setting.prepared[group[0]]
+    def __call__(self, many: Sequence[Values]) -> Float[np.ndarray, " m"]:
+        """y [rad^2] of many sets of numbers; infinite where a run could not be integrated."""
         slots = len(self.layout.parameters)
-        p = np.concatenate([v.table[:slots][:, group] for v in many], axis=1)
-        model = self.layout.model(tuple(p))
-        if first.pieces is not None:
-            drive = PiecewiseCubicDrive(
-                model.drive.gain, model.drive.level, first.t, first.pieces.T
-            )
-            model = dataclasses.replace(model, drive=drive)
-        start = np.tile(np.stack([self.states[r] for r in group]), (len(many), 1))
-        zeros = np.stack([p[self.layout.index[n]] for n in ("zero1", "zero2")], axis=1)
-        start[:, :2] -= zeros
-        run = sweep(model, first.t, start, velocities=False, max_steps=STEPS * first.t.size)
-        y = np.stack([run.phi1, run.phi2], axis=-1) + zeros[:, None]
-        y = y.reshape(len(many), len(group), first.t.size, 2)
-        data = np.stack([self.setting.prepared[r].y for r in group])
-        with np.errstate(invalid="ignore", over="ignore"):
-            squares = ((y - data) ** 2).mean(axis=2)[..., first.channels]
+        return np.asarray(_of_tables(self, np.stack([v.table[:slots] for v in many])))
+
+    def of_tables(
+        self, tables: Float[Array, "m P R"], active: Int[Array, ""] | int | None = None
+    ) -> Float[Array, " m"]:
+        """The same of tables of numbers, of which the first `active` count (all if None)."""
+        total = sum(self._of_group(tables, group, active) for group in self.groups)
+        total = total / sum(len(group.which) for group in self.groups)
+        return jnp.where(jnp.isfinite(total), total, jnp.inf)
+
+    def _of_group(self, tables: Array, group: "Group", active: Array | int | None) -> Array:
+        """Sum of (17) over recordings with the same times."""
+        size, index = len(group.which), self.layout.index
+        p = tables[:, :, np.array(group.which)].transpose(1, 0, 2).reshape(tables.shape[1], -1)
+        zeros = jnp.stack([p[index[n]] for n in ("zero1", "zero2")])
+        start = jnp.tile(group.states.T, (1, len(tables))).at[:2].add(-zeros)
+
+        def field(t, y, q):
+            model = self.layout.model(q)
+            if group.pieces is not None:
+                drive = PiecewiseCubicDrive(
+                    model.drive.gain, model.drive.level, group.ts, group.pieces
+                )
+                model = dataclasses.replace(model, drive=drive)
+            return model.derivative(t, y)
+
+        run = integrate(
+            field, tuple(p), start, group.ts, (p[index["eps1"]], p[index["eps2"]]),
+            Control(angle=SWEPT), width=SIDE_BY_SIDE, per_step=samples_per_step(group.ts.size),
+            velocities=False, max_steps=STEPS * group.ts.size,
+            active=None if active is None else active * size,
+        )  # fmt: skip
+        y = (run.y + zeros.T[:, None]).reshape(-1, size, group.ts.size, 2)
+        squares = ((y - group.readings) ** 2).mean(axis=2)[..., np.array(group.channels)]
         return squares.mean(axis=-1).sum(axis=1)
+
+
+class Group(eqx.Module):
+    """Recordings with the same times.
+
+    which: places among the campaign's recordings; channels: those read; ts: (n,) s; states: (r, 4)
+    to start from; readings: (r, n, 2) rad; pieces: (4, n - 1) of a measured drive, or None.
+    """
+
+    which: tuple[int, ...] = eqx.field(static=True)
+    channels: tuple[int, ...] = eqx.field(static=True)
+    ts: np.ndarray
+    states: np.ndarray
+    readings: np.ndarray
+    pieces: np.ndarray | None
+
+    def __init__(self, setting: Setting, which: Sequence[int]):
+        data = [setting.prepared[r] for r in which]
+        self.which = tuple(which)
+        self.channels = tuple(np.flatnonzero(data[0].channels).tolist())
+        self.ts = data[0].t
+        starts = [first_state(d, setting.recordings[r]) for d, r in zip(data, which, strict=True)]
+        self.states = np.stack(starts)
+        self.readings = np.stack([d.y for d in data])
+        self.pieces = None if data[0].pieces is None else data[0].pieces.T
+
+
+@eqx.filter_jit
+def _of_tables(runs: FreeRuns, tables: Array) -> Array:
+    return runs.of_tables(tables)
 
 
 def first_state(data: Prepared, recording: Recording) -> np.ndarray:
