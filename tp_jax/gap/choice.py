@@ -149,8 +149,9 @@ def choose(
             if i >= ALWAYS and left < enough:
                 break
             progress(f"refitting with {s.id}", i / len(ranked))
-            if i == 0 and s.variant.effect.n_states:
-                # The other effects with states are a burden that many fits would carry.
+            if current.ids or (i == 0 and s.variant.effect.n_states):
+                # The other effects are a burden that many fits would carry: beside what is in, all
+                # without states share a program, of four times the time; so do those with states.
                 current.fit.problem.programs.add({*current.ids, s.id})
             trial = _tried(setting, current, s, known)
             if i < ALWAYS:
