@@ -21,7 +21,7 @@ ALLOWED: dict[str, set[str]] = {
     "_processor": set(),
     "_cache": set(),
     "_compiler": {"_processor"},
-    "_config": {"_cache", "_processor"},
+    "_config": {"_cache", "_compiler", "_processor"},
     "_stored": {"_compiler", "_config", "_memory", "_processor"},
     "schemas": set(),
     "model": set(),

@@ -8,6 +8,11 @@ from tp_jax._processor import features
 WIDTH_OPTION = "xla_cpu_prefer_vector_width"
 
 
+def loops_left_alone() -> bool:
+    """Whether XLA is to be told nothing about loops (`TP_JAX_SMALL_LOOPS=off`)."""
+    return os.environ.get("TP_JAX_SMALL_LOOPS", "").lower() == "off"
+
+
 @functools.cache
 def compiler_options() -> dict[str, int]:
     """What XLA is to be told of a program of the engine's, for `jax.jit`.

@@ -6,15 +6,18 @@ would be right; all else in the command line, or by the one call that a user mak
 (`enable_compilation_cache`). JAX itself is imported inside the functions: `tp-jax --help` does not
 wait for it.
 
-Three environment variables matter:
+Four environment variables matter:
 
 `XLA_FLAGS`
     A simulation is a loop as one piece of machine code, whatever is set here
     (`tp_jax.simulation.one_piece`). Its inner loops, over a few lanes each, are left as loops:
     unrolled, the whole is larger than a processor's cache of instructions and takes longer to
     compile; a diagnosis takes a sixth more. And all other loops are compiled in one piece too, up
-    to a limit. Both hold for all programs of the process. `TP_JAX_SMALL_LOOPS=off` leaves them
-    alone, and so does an `XLA_FLAGS` that sets the limit itself.
+    to a limit. Both hold for all programs of the process; an `XLA_FLAGS` that sets the limit itself
+    is left as it is.
+`TP_JAX_SMALL_LOOPS`
+    `off` leaves all loops to XLA, a simulation's too: for a version of XLA that cannot do with
+    what it is told.
 
 `EQX_ON_ERROR`
     diffrax's checks of its own results keep a compiled program out of JAX's persistent cache
@@ -31,6 +34,7 @@ import warnings
 from pathlib import Path
 
 from tp_jax import _cache, _processor
+from tp_jax._compiler import loops_left_alone
 from tp_jax.errors import Notice
 
 SMALL_LOOP = 16_000_000
@@ -55,7 +59,7 @@ def compile_small_loops() -> None:
     """
     option = "xla_cpu_small_while_loop_byte_threshold"
     flags = os.environ.get("XLA_FLAGS", "")
-    if option in flags or os.environ.get("TP_JAX_SMALL_LOOPS", "").lower() == "off":
+    if option in flags or loops_left_alone():
         return
     options = f"{option}={SMALL_LOOP},xla_cpu_disable_loop_unrolling=true"
     os.environ["XLA_FLAGS"] = f"{flags} --xla_backend_extra_options={options}".strip()

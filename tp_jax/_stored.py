@@ -25,7 +25,7 @@ import jaxlib
 from jax import export
 
 from tp_jax import _processor
-from tp_jax._compiler import compiler_options
+from tp_jax._compiler import compiler_options, loops_left_alone
 from tp_jax._config import programs_folder
 from tp_jax._files import replaced
 from tp_jax._memory import release
@@ -113,6 +113,7 @@ class Stored:
         about = (
             self.function.__qualname__, described, shapes, _source(), jax.__version__,
             jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
+            loops_left_alone(),
             platform.python_version(), _processor.name(), jax.config.read("jax_enable_x64"),
         )  # fmt: skip
         digest = hashlib.sha256(repr(about).encode()).hexdigest()

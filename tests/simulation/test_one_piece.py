@@ -1,5 +1,7 @@
 """Calls as one piece of machine code: what XLA would end the process over, and that they are it."""
 
+import re
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -81,6 +83,19 @@ def test_a_users_own_program_has_the_mark():
     program = jax.jit(lambda m: tp.simulate(m, ts)).lower(bench).compile().as_text()
     calls = [line for line in program.splitlines() if " call(" in line]
     assert any(f'{k}="{v}"' in line for line in calls for k, v in MARK.items() if k[:3] == "xla")
+
+
+def test_loops_are_left_alone_where_they_are_to_be(monkeypatch):
+    marked = lambda: MARK.keys() & set(_words(jax.jit(whole).lower(X)))  # noqa: E731
+    whole = lambda x: in_one_piece(turns, x)  # noqa: E731
+    assert marked() or jax.default_backend() != "cpu"
+    monkeypatch.setenv("TP_JAX_SMALL_LOOPS", "off")
+    whole = lambda x: in_one_piece(turns, x)  # noqa: E731
+    assert not marked()
+
+
+def _words(lowered):
+    return re.findall(r"\w+", lowered.as_text())
 
 
 def test_rows_are_put_where_scattering_puts_them():

@@ -28,6 +28,8 @@ from jax.experimental.xla_metadata import set_xla_metadata
 from jax.extend.core import ClosedJaxpr, Literal, jaxpr_as_fun
 from jaxtyping import Array, Float, Int
 
+from tp_jax._compiler import loops_left_alone
+
 MARK = {"xla_cpu_small_call": "true", "inlineable": "false"}
 
 SMALL = 4096
@@ -44,7 +46,7 @@ def in_one_piece(function: Callable, *args: Any) -> Any:
     becomes a scatter. Not to be differentiated: what a derivative adds is neither hidden nor read.
     Its callers have rules of their own for both.
     """
-    if not on_cpu():
+    if not marked():
         return function(*args)
     leaves, tree = jax.tree.flatten(args)
     program, result = jax.make_jaxpr(
@@ -57,7 +59,7 @@ def in_one_piece(function: Callable, *args: Any) -> Any:
         return jaxpr_as_fun(ClosedJaxpr(program.jaxpr, given[:n]))(*given[n:])
 
     @custom_vmap
-    def marked(*given: Array) -> list[Array]:
+    def called(*given: Array) -> list[Array]:
         packed, unpack = _packed(given)
 
         def whole(*packed: Array) -> list[Array]:
@@ -68,13 +70,13 @@ def in_one_piece(function: Callable, *args: Any) -> Any:
         with set_xla_metadata(**MARK):
             return jax.jit(whole)(*(_hidden(x, zero) for x in packed))
 
-    @marked.def_vmap
+    @called.def_vmap
     def _(axis_size, batched, *given):
         axes = [0 if b else None for b in batched]
         out = jax.vmap(plain, in_axes=axes, axis_size=axis_size)(*given)
         return out, [True] * len(out)
 
-    return jax.tree.unflatten(jax.tree.structure(result), marked(*given))
+    return jax.tree.unflatten(jax.tree.structure(result), called(*given))
 
 
 def loops_in_one_piece(function: Callable, *args: Any) -> Any:
@@ -151,9 +153,9 @@ def _having_read(x: Array, arrays: Sequence[Array]) -> Array:
     return jax.lax.dynamic_update_slice(x, first, (0,) * x.ndim)
 
 
-def on_cpu() -> bool:
-    """Whether programs run on a CPU unless told otherwise."""
-    return jax.default_backend() == "cpu"
+def marked() -> bool:
+    """Whether there are marks: on a CPU, unless loops are to be left alone (`_config`)."""
+    return jax.default_backend() == "cpu" and not loops_left_alone()
 
 
 def put_rows(
@@ -168,7 +170,7 @@ def put_rows(
         places: the second.
         rows: for each table.
     """
-    if not on_cpu():
+    if not marked():
         return tuple(
             table.at[lane, places].set(row, mode="promise_in_bounds")
             for table, row in zip(tables, rows, strict=True)
@@ -202,4 +204,4 @@ def _hidden(x: Array, zero: Float[Array, ""]) -> Array:
     return x + (zero > 1.0).astype(x.dtype)
 
 
-__all__ = ["in_one_piece", "loops_in_one_piece", "on_cpu", "put_rows"]
+__all__ = ["in_one_piece", "loops_in_one_piece", "marked", "put_rows"]
