@@ -47,7 +47,7 @@ def test_sensitivities_in_pieces_are_those_at_once(monkeypatch):
     k = np.linspace(0.4, 0.5, 70)
     models = jax.vmap(lambda k: tp.presets.double_pendulum(**bench | {"k": k}))(k)
     ts = np.linspace(0.0, 0.05, 6)
-    monkeypatch.setattr(batch, "_cores", lambda: 2)
+    monkeypatch.setattr(batch, "threads_worthwhile", lambda: 2)
     together = tp.sensitivities(models, ts, by=["B2"])
     monkeypatch.setattr(batch, "PIECE", 1)
     apart = tp.sensitivities(models, ts, by=["B2"])

@@ -81,7 +81,7 @@ def test_a_gradient_is_that_of_the_jacobian(jacobian):
     gradient = jax.jit(jax.grad(lambda x: jnp.sum(weight * angles(x, Y0))))(NOW)
     terms = weight[..., None] * jacobian[0]
     size = np.abs(terms).sum(axis=(0, 1))
-    np.testing.assert_allclose(gradient / size, terms.sum(axis=(0, 1)) / size, atol=1e-4, rtol=0)
+    np.testing.assert_allclose(gradient / size, terms.sum(axis=(0, 1)) / size, atol=1e-5, rtol=0)
 
 
 def test_a_batch_is_its_members():

@@ -19,7 +19,7 @@ from tp_jax.estimation.least_squares import parameter
 from tp_jax.estimation.nelder_mead import NelderMead, Searched, minimise_many
 from tp_jax.estimation.simplex import Simplex, initial_simplex
 from tp_jax.model.parameters import NUISANCES
-from tp_jax.simulation.batch import cores_of_this_process
+from tp_jax.simulation.batch import threads_worthwhile
 
 CONVERGED = "The simplex is smaller than its tolerances."
 EXHAUSTED = "The limit of iterations or evaluations was reached."
@@ -71,9 +71,9 @@ def free_run_search(
     function = _Scaled(FreeRuns(setting), starts[0], unknowns, limits)
     solver = NelderMead(rule="fminsearch", max_iterations=np.asarray(max_iterations))
     counted: list[tuple[float, int]] = []
-    # every other start to the same core: neighbours tend to take equally long
-    cores = min(cores_of_this_process(), len(starts))
-    shares = [np.arange(len(starts))[i::cores] for i in range(cores)]
+    # every other start to the same thread: neighbours tend to take equally long
+    threads = min(threads_worthwhile(), len(starts))
+    shares = [np.arange(len(starts))[i::threads] for i in range(threads)]
 
     def search(share: np.ndarray) -> Searched:
         return minimise_many(
@@ -81,7 +81,7 @@ def free_run_search(
             callback=count,
         )  # fmt: skip
 
-    with ThreadPoolExecutor(cores) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         parts = list(pool.map(search, shares))
     order = np.argsort(np.concatenate(shares))
     found = Searched(*(np.concatenate(each)[order] for each in zip(*parts, strict=True)))

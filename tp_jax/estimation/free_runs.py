@@ -14,6 +14,7 @@ from tp_jax.estimation.windows import Prepared
 from tp_jax.model.drive import PiecewiseCubicDrive
 from tp_jax.recordings import Recording
 from tp_jax.recordings.gaps import stretches
+from tp_jax.simulation.batch import lanes
 from tp_jax.simulation.control import Control
 from tp_jax.simulation.runs import integrate
 from tp_jax.simulation.solve import samples_per_step
@@ -31,8 +32,8 @@ class FreeRuns(eqx.Module):
     """y = mean over recordings of (17): half the sum of the channels' mean squared errors.
 
     With one channel, its mean square. Forced runs start from rest and decays from where they were
-    let go, unless the first readings say otherwise. Traceable, and the same program for all
-    campaigns of the same recordings.
+    let go, unless the first readings say otherwise. Traceable, and the same program for campaigns
+    whose recordings are as many and as long.
     """
 
     layout: Layout = eqx.field(static=True)
@@ -73,7 +74,8 @@ class FreeRuns(eqx.Module):
 
         run = integrate(
             field, tuple(p), start, group.ts, (p[index["eps1"]], p[index["eps2"]]),
-            Control(angle=SWEPT), width=SIDE_BY_SIDE, per_step=samples_per_step(group.ts.size),
+            Control(angle=SWEPT), width=lanes(SIDE_BY_SIDE, p.shape[1]),
+            per_step=samples_per_step(group.ts.size),
             velocities=False, max_steps=STEPS * group.ts.size,
             active=None if active is None else active * size,
         )  # fmt: skip

@@ -169,7 +169,7 @@ def minimise_many(
         solver: the method.
         simplices: to begin with, see `initial_simplex`.
         args: pytree of arrays with an axis of lanes, handed to `fn` lane by lane.
-        max_steps: evaluations of a lane at most.
+        max_steps: evaluations of a lane from which on no further chunk begins.
         callback: called with all lanes after each chunk.
     """
     room = 1 << (len(simplices) - 1).bit_length()  # few sizes, since each is a program of its own

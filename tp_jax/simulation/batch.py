@@ -80,7 +80,7 @@ def in_pieces(
         threads: of a CPU; as many as there are cores if None.
     """
     on_cpu = jax.default_backend() == "cpu"
-    shares = min(threads or cores_of_this_process(), -(-many // width)) if on_cpu else 1
+    shares = min(threads or threads_worthwhile(), -(-many // width)) if on_cpu else 1
     room = 1 << (-(-many // shares) - 1).bit_length()
     if on_cpu:
         room = min(room, max(width, 1 << max(PIECE // bytes_each, 1).bit_length() - 1))
@@ -98,8 +98,10 @@ def in_pieces(
         list(pool.map(several, [np.arange(many)[i::shares] for i in range(shares)]))
 
 
-def cores_of_this_process() -> int:
-    """Cores that this process may use."""
+def threads_worthwhile() -> int:
+    """Threads that share the work: as many as this process has cores of a CPU, elsewhere one."""
+    if jax.default_backend() != "cpu":
+        return 1
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

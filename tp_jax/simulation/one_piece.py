@@ -26,7 +26,7 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jax.experimental.xla_metadata import set_xla_metadata
 from jax.extend.core import ClosedJaxpr, Literal, jaxpr_as_fun
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax._compiler import loops_left_alone
 
@@ -64,7 +64,8 @@ def in_one_piece(function: Callable, *args: Any) -> Any:
 
         def whole(*packed: Array) -> list[Array]:
             with set_xla_metadata(**dict.fromkeys(MARK)):  # calls inside are inlined as ever
-                return [_having_read(x, packed) for x in plain(*unpack(packed))]
+                never = _never(packed)
+                return [_having_read(x, never) for x in plain(*unpack(packed))]
 
         zero = 0.0 * jax.lax.while_loop(lambda x: x < UNKNOWN, lambda x: x + 1.0, 0.0)
         with set_xla_metadata(**MARK):
@@ -136,18 +137,23 @@ def _packed(arrays: Sequence[Array]) -> tuple[list[Array], Callable]:
     return packed + [arrays[k] for k in alone], unpack
 
 
-def _having_read(x: Array, arrays: Sequence[Array]) -> Array:
-    """`x`, in a way that no compiler gets it without a look at each of the arrays.
-
-    A result that nobody reads is left out, and what only it had read is an argument unread.
-    """
-    if not x.size:
-        return x
+def _never(arrays: Sequence[Array]) -> Bool[Array, ""]:
+    """False, in a way that no compiler knows without a look at each of the arrays."""
     never = jnp.array(False)
     for each in arrays:
         if each.size:
             first = each[(0,) * each.ndim].astype(float)
             never = never | ((first > 1.0) & (first < 0.0))
+    return never
+
+
+def _having_read(x: Array, never: Bool[Array, ""]) -> Array:
+    """`x`, which takes `never` to be known.
+
+    All results do: one that nobody reads is left out, and what only it had read would be unread.
+    """
+    if not x.size:
+        return x
     first = x[(slice(0, 1),) * x.ndim]
     first = jnp.where(never, jnp.zeros_like(first), first)
     return jax.lax.dynamic_update_slice(x, first, (0,) * x.ndim)

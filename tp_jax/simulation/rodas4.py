@@ -101,7 +101,6 @@ class Rodas4(diffrax.AbstractAdaptiveSolver):
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
         """One step; see `diffrax.AbstractSolver.step`."""
-
         field = _field(terms, t0, t1, y0, args)
         # Beside runs that go on, one that has ended takes steps of no length, and none of what they
         # give: but a quotient by zero would make its gradient NaN all the same.
@@ -121,7 +120,7 @@ class Rodas4(diffrax.AbstractAdaptiveSolver):
 
 def _field(terms, t0, t1, like: Any, args: Any) -> Callable[..., tuple]:
     """Derivatives of the state by the time that diffrax steps in, which always grows."""
-    direction = jnp.sign(terms.contr(t0, t1))
+    direction = jnp.where(terms.contr(t0, t1) < 0.0, -1.0, 1.0)  # of no length: forwards
 
     def field(t, y, p=()):  # noqa: ARG001
         return tuple(direction * x for x in components(terms.vf(t, together(y, like), args)))

@@ -13,6 +13,7 @@ from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Float
 
 from tp_jax.model.pendulum import AbstractTorsionPendulum
+from tp_jax.simulation.batch import lanes
 from tp_jax.simulation.control import Control
 from tp_jax.simulation.one_piece import loops_in_one_piece
 from tp_jax.simulation.parts import Parts, take_apart
@@ -20,6 +21,10 @@ from tp_jax.simulation.runs import integrate
 
 if TYPE_CHECKING:  # half a second that only those pay who use its solvers
     import diffrax
+
+
+WIDTH = 64
+"""Lanes side by side on a CPU: as many as fill its vector units and fit its fastest memory."""
 
 
 class Trajectory(NamedTuple):
@@ -191,6 +196,7 @@ def _own(parts: Parts, max_steps: int) -> Callable:
         eps = p[parts.eps[0]], p[parts.eps[1]]
         return integrate(
             parts.field, tuple(p), y0, ts, eps, Control(angle=tolerance), directions=directions,
+            width=lanes(WIDTH, len(inputs)),
             per_step=samples_per_step(ts.size), max_steps=max_steps,
         )  # fmt: skip
 

@@ -14,10 +14,7 @@ from tp_jax.simulation.batch import gathered, in_pieces, lanes
 from tp_jax.simulation.control import Control
 from tp_jax.simulation.parts import take_apart
 from tp_jax.simulation.runs import Ran, integrate
-from tp_jax.simulation.solve import checked, samples_per_step
-
-WIDTH = 64
-"""Lanes side by side on a CPU: as many as fill its vector units and fit its fastest memory."""
+from tp_jax.simulation.solve import WIDTH, checked, samples_per_step
 
 
 class Sweep(NamedTuple):
