@@ -4,6 +4,7 @@ import dataclasses
 import json
 
 import numpy as np
+import optimistix as optx
 import pytest
 
 import tp_jax as tp
@@ -160,6 +161,18 @@ def test_what_cannot_be_is_told_in_a_sentence(campaign, options, part):
     assert str(told.value).endswith(".")
 
 
+def test_a_solver_of_ones_own(campaign):
+    class Mine(optx.LevenbergMarquardt):
+        """As anyone may bring one along."""
+
+    own = tp.identify(campaign, solver=Mine(rtol=1e-6, atol=1e-2, norm=optx.rms_norm))
+    usual = tp.identify(campaign)
+    assert own["method"] == "Mine"
+    assert own["objective"] == pytest.approx(usual["objective"], abs=1.0)
+    with pytest.raises(tp.InputError, match="solver or minimiser of optimistix"):
+        tp.identify(campaign, solver=42)
+
+
 def test_methods_have_names():
     assert METHODS[:2] == ("least-squares", "nelder-mead")
-    assert set(METHODS[2:]) == {"levenberg-marquardt", "dogleg", "bfgs"}
+    assert set(METHODS[2:]) == {"levenberg-marquardt", "dogleg", "gauss-newton", "bfgs"}

@@ -8,7 +8,8 @@ weak_form                            a better start: no derivatives of the data 
 elimination, least_squares           Gauss-Newton over unknowns and window states together
 variable_projection                  the same with the states projected out (window_states,
                                      bounded_step); robust losses (robust)
-optimistix_methods                   Levenberg-Marquardt, Dogleg, BFGS (traced_windows, unbounded)
+optimistix_methods                   Levenberg-Marquardt, Dogleg, BFGS, or a solver of the user's
+                                     own, on one traced function (window_residuals)
 blocks, intervals, noise_levels      scatter of blocks, intervals, noise by channel
 free_runs                            the paper's objective (17), of many sets of numbers at once
 simplex, nelder_mead                 the paper's method, for optimistix, from one simplex or many;

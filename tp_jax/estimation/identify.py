@@ -25,6 +25,7 @@ from tp_jax.estimation.ladder import Ladder, Objective
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.multistart import Trial, search
 from tp_jax.estimation.noise_levels import fitted_noise, with_noise
+from tp_jax.estimation.optimistix_methods import Solver
 from tp_jax.estimation.robust import LOSSES, Loss
 from tp_jax.estimation.starts import Sampling
 from tp_jax.estimation.starts import starts as made_starts
@@ -45,6 +46,7 @@ def identify(
     *,
     model: str = "newton",
     method: str = "least-squares",
+    solver: Solver | None = None,
     starts: int = 1,
     fix: Mapping[str, float] | None = None,
     bound: Mapping[str, tuple[float, float]] | None = None,
@@ -65,7 +67,10 @@ def identify(
         campaign: see `load_campaign`.
         model: "newton", or "paper" for the equations as printed.
         method: "least-squares" (Gauss-Newton with the windows' states projected out),
-            "levenberg-marquardt", "dogleg" or "bfgs" (optimistix), or "nelder-mead".
+            "levenberg-marquardt", "dogleg", "gauss-newton" or "bfgs" (optimistix), or
+            "nelder-mead".
+        solver: any least-squares solver or minimiser of optimistix instead; it minimises the
+            windows' residuals in coordinates in which one standard error is one.
         starts: the first is the data's own, the others are drawn over the bounds (see `starts`).
         fix: parameters to hold, by name, SI units.
         bound: (lower, upper) by name, SI units.
@@ -88,21 +93,24 @@ def identify(
     """
     begin = time.perf_counter()
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
-    aim = objective or methods.usual_objective(method)
+    aim = objective or methods.usual_objective(method if solver is None else "")
     _check(fix or {}, bound or {}, campaign.B1, starts, loss, noise)
-    methods.check(method, aim)
+    chosen = method if solver is None else solver
+    methods.check(chosen, aim)
+    name = methods.name_of(chosen)
     setting = prepare_campaign(
         campaign, model=model, fix=dict(fix or {}), bound=dict(bound or {}), effects=()
     )
     kept = _checkpoint(checkpoint, resume, setting, {
-        "method": method, "objective": aim, "loss": loss, "seed": seed, "sampling": sampling,
-        "raw starts": raw_starts, "iterations": iterations if method == "nelder-mead" else None,
+        "method": name, "objective": aim, "loss": loss, "seed": seed, "sampling": sampling,
+        "raw starts": raw_starts,
+        "iterations": iterations if chosen == methods.NELDER_MEAD else None,
         "number of starts": None if sampling == "sobol" else starts,
     })  # fmt: skip
     report("a start from the data", None)
     begun = made_starts(setting, starts, seed=seed, sampling=sampling, raw=raw_starts)
-    ladder = Ladder(setting, methods.fitter(method, setting, aim), objective=aim, loss=loss)
-    if method == methods.NELDER_MEAD:
+    ladder = Ladder(setting, methods.fitter(chosen, setting, aim), objective=aim, loss=loss)
+    if chosen == methods.NELDER_MEAD:
         trials = search_free_runs(
             begun, ladder, checkpoint=kept, progress=report, max_iterations=iterations
         )
@@ -125,7 +133,7 @@ def identify(
         "schema": SCHEMA,
         "campaign": campaign.name,
         "model": model,
-        "method": method,
+        "method": name,
         "objective_kind": aim,
         "parameters": parameter_table(fit, setting),
         "objective": trials[best].end.objective,

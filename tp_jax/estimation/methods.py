@@ -6,9 +6,11 @@ from tp_jax.errors import InputError
 from tp_jax.estimation import optimistix_methods, variable_projection
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.ladder import Method, Objective, problem_of, rungs
+from tp_jax.estimation.optimistix_methods import SOLVER_KINDS, Solver
 
 LEAST_SQUARES, NELDER_MEAD = "least-squares", "nelder-mead"
 METHODS = (LEAST_SQUARES, NELDER_MEAD, *optimistix_methods.SOLVERS)
+AT_MOST = 1000  # evaluations in a run of a solver of one's own, which has its own way to end
 OBJECTIVES: tuple[Objective, ...] = ("windows", "free-run")
 
 
@@ -17,20 +19,38 @@ def usual_objective(method: str) -> Objective:
     return "free-run" if method == NELDER_MEAD else "windows"
 
 
-def fitter(name: str, setting: Setting, objective: Objective) -> Method:
+def fitter(name: str | Solver, setting: Setting, objective: Objective) -> Method:
     """The function that fits unknowns and window states; see `variable_projection.fit`.
 
     For `nelder-mead`, which does not, the one that judges what it found.
+
+    Args:
+        name: in `METHODS`, or a solver of optimistix.
+        setting: what is fitted. objective: what is minimised.
     """
     if name in (LEAST_SQUARES, NELDER_MEAD):
         return variable_projection.fit
+    solver = optimistix_methods.SOLVERS[name] if isinstance(name, str) else name
     blocks = max(len(problem_of(setting, r).blocks()) for r in rungs(setting, objective))
-    return functools.partial(optimistix_methods.fit, method=name, blocks=blocks)
+    evaluations = optimistix_methods.EVALUATIONS if isinstance(name, str) else AT_MOST
+    return functools.partial(
+        optimistix_methods.fit, solver=solver, blocks=blocks, evaluations=evaluations
+    )
 
 
-def check(method: str, objective: Objective) -> None:
+def name_of(method: str | Solver) -> str:
+    """A method's name in results: that of its class for a solver of one's own."""
+    return method if isinstance(method, str) else type(method).__name__
+
+
+def check(method: str | Solver, objective: Objective) -> None:
     """InputError where there is no such method, or not on this objective."""
-    if method not in METHODS:
+    if not isinstance(method, (str, *SOLVER_KINDS)):
+        raise InputError(
+            f"A method is one of {', '.join(METHODS)}, or a least-squares solver or minimiser of "
+            f"optimistix, not {method!r}."
+        )
+    if isinstance(method, str) and method not in METHODS:
         raise InputError(f"There is no method {method!r}, choose one of: {', '.join(METHODS)}.")
     if objective not in OBJECTIVES:
         raise InputError(

@@ -1,15 +1,14 @@
-"""Methods of optimistix on the windows of a problem: Levenberg-Marquardt, Dogleg, BFGS.
+"""Methods of optimistix on the windows of a problem: Levenberg-Marquardt, Dogleg, BFGS and others.
 
-They minimise over the unknowns, in coordinates that have no bounds (`unbounded`) and in which one
-standard error is one: none of them scales by itself. The windows' states follow linearly
-(`traced_windows`) and are put right between two runs of the method, until another run gains
-nothing.
+All minimise one function, `window_residuals`, in coordinates in which one standard error is one:
+none of them scales by itself. None knows bounds either: beyond one the function is constant, and an
+unknown that a bound stops is left out of the next run, or let go if it wants back. The windows'
+states are put where they fit best inside the function.
 """
 
-import functools
+import logging
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -20,40 +19,63 @@ from jaxtyping import Array, Float, Int
 
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.layout import Layout, Unknown, Values
-from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, Fit, parameter
+from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.least_squares import Anchor, Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
-from tp_jax.estimation.traced_windows import Traced, evaluate, traced
-from tp_jax.estimation.unbounded import Unbounded
+from tp_jax.estimation.variable_projection import NOTHING, SETTLED
+from tp_jax.estimation.window_residuals import WindowResiduals, window_residuals
 from tp_jax.estimation.window_states import settle
-from tp_jax.simulation.lanes import Tolerances
 
-NEAR = 0.05  # standard errors: closer than that no method needs to come
-RUNS = 8  # of the method, with the windows' states put right in between
-EVALUATIONS = 15  # of a run
+log = logging.getLogger(__name__)
+
+#: Of optimistix, on residuals or on half their sum of squares.
+Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
+SOLVER_KINDS = (optx.AbstractLeastSquaresSolver, optx.AbstractMinimiser)
+
+NEAR = 0.02  # standard errors: closer than that no method needs to come
+RUNS = 8  # of the method, with its coordinates scaled anew in between
+EVALUATIONS = 30  # of a run
 RANK = 1e-10  # relative eigenvalue of the information below which a direction is not scaled up
-INSIDE = 0.05  # typical sizes off a bound: on it a coordinate without bounds has no slope
+HELD = 1e-4  # weight of a coordinate's way from its origin: what no residual tells stays there
+
+# By the root mean square: in the largest of ten thousand residuals a window's kink never ends.
+_ENDS = {"rtol": 1e-8, "atol": NEAR, "norm": optx.rms_norm}
 
 #: By the name on the command line.
-SOLVERS = {
-    "levenberg-marquardt": optx.LevenbergMarquardt(rtol=1e-8, atol=NEAR),
-    "dogleg": optx.Dogleg(rtol=1e-8, atol=NEAR),
-    "bfgs": optx.BFGS(rtol=1e-8, atol=NEAR),
+SOLVERS: dict[str, Solver] = {
+    "levenberg-marquardt": optx.LevenbergMarquardt(**_ENDS),
+    "dogleg": optx.Dogleg(**_ENDS),
+    "gauss-newton": optx.GaussNewton(**_ENDS),
+    "bfgs": optx.BFGS(**_ENDS),
 }
 
 
-class _Scaled(NamedTuple):
-    """The windows, and the coordinates z of the method: u = inside(origin + axes @ z)."""
+class _Scaled(eqx.Module):
+    """The function in the method's coordinates z: u = origin + axes @ z, kept within bounds.
 
-    windows: Traced
+    unit: of a residual, so that what a wrong model leaves counts as noise.
+    """
+
+    windows: WindowResiduals
     origin: Float[Array, " u"]
     axes: Float[Array, "u u"]
-    box: Unbounded
+    lower: Float[Array, " u"]
+    upper: Float[Array, " u"]
+    unit: Float[Array, ""]
 
     def unknowns(self, z: Float[Array, " u"]) -> Float[Array, " u"]:
-        return self.box.inside(self.origin + self.axes @ z)
+        return jnp.clip(self.origin + self.axes @ z, self.lower, self.upper)
+
+    def both(self, z: Float[Array, " u"]) -> tuple[Float[Array, " r"], Float[Array, "r u"]]:
+        """Residuals and their derivatives."""
+        free = self.origin + self.axes @ z
+        inside = (free >= self.lower) & (free <= self.upper)
+        r, J = self.windows.evaluate(self.unknowns(z))
+        J = jnp.where(inside, J, 0.0) @ self.axes / self.unit
+        held = HELD * jnp.eye(z.size)
+        return jnp.concatenate([r / self.unit, held @ z]), jnp.concatenate([J, held])
 
 
 def fit(
@@ -62,10 +84,11 @@ def fit(
     unknowns: Sequence[Unknown],
     states: np.ndarray | None = None,
     *,
-    method: str,
+    solver: Solver,
     bounds: dict[str, tuple[float, float]] | None = None,
     anchors: Sequence[Anchor] = (),
     max_iterations: int = RUNS,
+    evaluations: int = EVALUATIONS,
     tolerance: float = 0.02,
     relative: float = 1e-6,
     loss: Loss = "linear",
@@ -76,8 +99,9 @@ def fit(
     Arguments and result are those of `variable_projection.fit`, and:
 
     Args:
-        method: a name in `SOLVERS`.
+        solver: of optimistix; `SOLVERS` has those with a name.
         max_iterations: runs of the method at most.
+        evaluations: in a run at most.
         blocks: of windows that other horizons of the campaign have, so that one compiled program
             serves them all.
     """
@@ -90,22 +114,18 @@ def fit(
     )
     floor = np.array([1e-300 if s.transform == "log" else -np.inf for s in specs])
     low, high = (to(np.maximum(end, floor)) for end in limits.T)
-    # A parameter's own bounds far away are not worth a coordinate that feels them.
-    wide = np.array([s.name not in given for s in specs])
-    logs = np.array([s.transform == "log" for s in specs])
-    box = Unbounded(
-        np.where(wide & (logs | (low < 0.0)), -np.inf, low), np.where(wide, np.inf, high)
-    )
     slots = columns(unknowns)
-    start = to(np.clip(values.pick(unknowns), *limits.T))
-    off = np.minimum(INSIDE, 0.05 * np.where(np.isfinite(box.upper), high - low, np.inf))
-    u = np.clip(start, box.lower + off, box.upper - off)
+    u = to(np.clip(values.pick(unknowns), *limits.T))
     values = values.put(unknowns, _values(specs, u, limits))
     states = problem.initial_states(values) if states is None else states
     lin = robust(problem.linearise(values, states, slots), loss)
     passes = 1.0
+    dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
+    if lin.complete.all():
+        settled = settle(problem, values, states, lin, slots, loss=loss)
+        states, passes = settled.states, passes + settled.passes
     cost = lin.cost() + _prior(u, unknowns, anchors)
-    converged, message = False, "The iteration limit was reached."
+    converged, message = False, "The limit of runs was reached."
     if not np.isfinite(cost):
         message = "The start could not be integrated."
     for run in range(max_iterations):
@@ -118,34 +138,33 @@ def fit(
             i = unknowns.index(a.unknown)
             g[i] += (u[i] - a.centre) / a.sd**2
             H[i, i] += 1.0 / a.sd**2
-        enough = max(tolerance, relative * cost)
+        # A wrong model scatters its optimum by as much more, as in `variable_projection`.
+        unit = max(cost / dof, 1.0)
+        enough = max(tolerance, NOTHING * unit, relative * cost)
         if run and bounded_step(g, H, low - u, high - u, 0.0).promise < enough:
             converged, message = True, "Another run of the method would gain nothing."
             break
-        own = np.clip(elim.state_step, -MAX_STATE_STEP, MAX_STATE_STEP) if run == 0 else 0.0
         needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
-        windows = traced(
-            problem, values, states + own, elim.state_gain, unknowns, specs, anchors, needed
-        )
-        scaled = _scaled(windows, box, u, g, H)
-        asked = problem.programs.asked([problem.layout.index[s] for s in slots])
-        ids = problem.programs.cover(problem.programs.active(values.table), asked)
-        found, spent = _search(
-            problem.layout, problem.tolerances, ids, loss, SOLVERS[method], scaled
-        )
+        windows = window_residuals(
+            problem, values, states, unknowns, specs, anchors, blocks=needed, loss=loss,
+            enough=SETTLED * unit,
+        )  # fmt: skip
+        found, spent = _search(solver, evaluations, _scaled(windows, u, (low, high), g, H, unit))
         passes += float(spent)
         new_u = np.clip(np.asarray(found), low, high)
         if not np.isfinite(new_u).all():
             message = "The method left the region that can be integrated."
             break
         new_values = values.put(unknowns, _values(specs, new_u, limits))
-        new_states = states + own + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
+        new_states = states + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
         new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
         passes += 1.0
         if new_lin.complete.all():
             settled = settle(problem, new_values, new_states, new_lin, slots, loss=loss)
             new_states, passes = settled.states, passes + settled.passes
         new_cost = new_lin.cost() + _prior(new_u, unknowns, anchors)
+        log.debug("%s: run %d cost %.8g -> %.8g, %d evaluations",
+                  type(solver).__name__, run, cost, new_cost, int(spent))  # fmt: skip
         if not new_cost < cost:
             converged, message = run > 0, "Another run of the method gained nothing."
             break
@@ -165,56 +184,49 @@ def fit(
 
 
 def _scaled(
-    windows: Traced, box: Unbounded, u: np.ndarray, g: np.ndarray, H: np.ndarray
-) -> _Scaled:
-    """Coordinates in which the information at the reference is one."""
-    v = box.outside(u)
-    box = Unbounded(jnp.asarray(box.lower), jnp.asarray(box.upper))
-    one = jnp.ones_like(windows.at)
-    slope = lambda v: jax.jvp(box.inside, (v,), (one,))[1]  # noqa: E731
-    first, second = (np.asarray(d) for d in jax.jvp(slope, (jnp.asarray(v),), (one,)))
-    Hv = H * np.outer(first, first) + np.diag(np.abs(g * second))
-    scale = np.sqrt(np.maximum(np.diag(Hv), 1e-12 * max(np.diag(Hv).max(), 1e-300)))
-    values, vectors = np.linalg.eigh(Hv / np.outer(scale, scale))
-    values = np.maximum(values, RANK * values[-1])
-    axes = vectors / np.sqrt(values) / scale[:, None]
-    return _Scaled(windows, jnp.asarray(v), jnp.asarray(axes), box)
+    windows: WindowResiduals, u: np.ndarray, box: tuple[np.ndarray, np.ndarray], g: np.ndarray,
+    H: np.ndarray, unit: float,
+) -> _Scaled:  # fmt: skip
+    """Coordinates in which the information at the reference is one.
+
+    An unknown at a bound is left out of them where the best step leaves it there.
+    """
+    low, high = box
+    step = bounded_step(g, H, low - u, high - u, 0.0).du
+    free = ((u > low) & (u < high)) | (step != 0.0)
+    Hf = H[np.ix_(free, free)] / unit
+    scale = np.sqrt(np.maximum(np.diag(Hf), 1e-12 * max(np.diag(Hf).max(initial=0.0), 1e-300)))
+    values, vectors = np.linalg.eigh(Hf / np.outer(scale, scale))
+    values = np.maximum(values, RANK * values.max(initial=1e-300))
+    axes = np.zeros_like(H)
+    axes[np.ix_(free, free)] = vectors / np.sqrt(values) / scale[:, None]
+    return _Scaled(windows, *map(jnp.asarray, (u, axes, low, high, math.sqrt(unit))))
 
 
 @eqx.filter_jit
 def _search(
-    layout: Layout, tolerances: Tolerances, ids: frozenset[str], loss: Loss,
-    solver: optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser, scaled: _Scaled,
-) -> tuple[Float[Array, " u"], Int[Array, ""]]:  # fmt: skip
+    solver: Solver, evaluations: int, scaled: _Scaled
+) -> tuple[Float[Array, " u"], Int[Array, ""]]:
     """One run of a method of optimistix; coordinates u where it ended, evaluations spent."""
-    both = functools.partial(_both, layout, tolerances, ids, loss)
 
+    # One integration gives residuals and Jacobian; a second rule of differentiation would take two.
     @jax.custom_jvp
     def residuals(z, scaled):
-        return both(z, scaled)[0]
+        return scaled.both(z)[0]
 
     @residuals.defjvp
     def _(primals, tangents):
-        r, J = both(*primals)
+        r, J = primals[1].both(primals[0])
         return r, J @ tangents[0]
 
     z0 = jnp.zeros_like(scaled.origin)
-    options = {"max_steps": EVALUATIONS, "throw": False}
+    options = {"max_steps": evaluations, "throw": False}
     if isinstance(solver, optx.AbstractMinimiser):
         half = lambda z, s: 0.5 * jnp.sum(residuals(z, s) ** 2)  # noqa: E731
         done = optx.minimise(half, solver, z0, scaled, **options)
     else:
         done = optx.least_squares(residuals, solver, z0, scaled, **options)
     return scaled.unknowns(done.value), done.stats["num_steps"]
-
-
-def _both(
-    layout: Layout, tolerances: Tolerances, ids: frozenset[str], loss: Loss,
-    z: Float[Array, " u"], s: _Scaled,
-) -> tuple[Float[Array, " r"], Float[Array, "r u"]]:  # fmt: skip
-    u, slope = jax.jvp(s.box.inside, (s.origin + s.axes @ z,), (jnp.ones_like(z),))
-    r, J = evaluate(layout, tolerances, ids, loss, u, s.windows)
-    return r, (J * slope) @ s.axes
 
 
 def _values(specs, u: np.ndarray, limits: np.ndarray) -> np.ndarray:

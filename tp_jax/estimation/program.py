@@ -163,7 +163,7 @@ class Programs:
 
 def linearise(
     layout: Layout,
-    tolerances: Tolerances,
+    tolerances: Tolerances | Float[Array, " 2"],
     ids: frozenset[str],
     p: Float[Array, "P L"],
     x0: Float[Array, "n c L"],
@@ -174,14 +174,16 @@ def linearise(
 
     Args:
         layout: structure of the model; static.
-        tolerances: of the integration; data, so that finer ones compile nothing.
+        tolerances: of the integration, or an array of them; data, so that finer ones compile
+            nothing.
         ids: effects of the motion that it carries, from `Programs`; static.
         p: all slots for every lane.
         x0: states at the windows' starts.
         block: the data.
         directions: slots to differentiate by.
     """
-    run, own = _integrate(layout, ids, np.array(tolerances, float), p, x0, block, directions)
+    steps = np.array(tolerances, float) if isinstance(tolerances, Tolerances) else tolerances
+    run, own = _integrate(layout, ids, steps, p, x0, block, directions)
     return _observe(layout, p, block, directions, run)._replace(own=own)
 
 

@@ -130,6 +130,25 @@ class Colour:
             rest = solved.reshape(rest.shape)
         return np.moveaxis(np.concatenate([first, rest]), 0, axis)
 
+    def innovations(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Weights (n,) of the recursion whose rows are those of `whiten`.
+
+        e_t = x_t - a_t x_(t-1) - b_t e_(t-1), and s_t e_t is white and of unit variance: for what
+        goes through the samples one by one. Returns a, b, s.
+        """
+        a, b, variance = np.zeros(n), np.zeros(n), np.ones(n)
+        if self.is_white:
+            return a, b, variance
+        a[1:] = self.rho
+        total, lag = (
+            1.0 + self.rho**2 - 2.0 * self.rho * self.neighbours,
+            self.neighbours - self.rho,
+        )
+        for t in range(1, n):
+            b[t] = lag / variance[t - 1]
+            variance[t] = total - b[t] * lag
+        return a, b, 1.0 / np.sqrt(variance)
+
     def log_determinant(self, n: int) -> float:
         """Logarithm of the determinant of the covariance of n samples, variance 1."""
         if self.is_white:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.custom_batching import custom_vmap
+from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
 from tp_jax.model.pendulum import AbstractTorsionPendulum
@@ -84,8 +86,11 @@ def simulate(
             "Argument `model` must be one pendulum, but its numbers are arrays; use `sweep`."
         )
     every = [*parts.values, *y0, tolerance]
-    here = jnp if any(isinstance(x, jax.core.Tracer) for x in every) else np
-    inputs = here.stack([here.asarray(x, dtype=float) for x in every])
+    if any(isinstance(x, jax.core.Tracer) for x in every):
+        # One by one, for then it is seen by which of them derivatives are asked for.
+        inputs = tuple(jnp.asarray(x, dtype=float) for x in every)
+    else:
+        inputs = np.stack([np.asarray(x, dtype=float) for x in every])
     ys = _run(parts.template, inputs[:-1], ts, inputs[-1], solver, max_steps)
     return Trajectory(jnp.asarray(ts), ys[:, 0], ys[:, 1], ys[:, 2], ys[:, 3])
 
@@ -182,9 +187,10 @@ def _states(parts: Parts, solver, controller, max_steps: int) -> Callable:
 def _own(parts: Parts, max_steps: int) -> Callable:
     """Runs (inputs, ts, tolerance) -> states (n, 4) by the package's own method.
 
-    Alone by diffrax; many by the batch engine, which takes the same steps. That gives all columns
-    of the Jacobian beside the motion too; a rule whose tangent is a product with it can be
-    transposed, which a loop of unknown length cannot.
+    Alone by diffrax; many by the batch engine, which takes the same steps. That gives columns of
+    the Jacobian beside the motion too; a rule whose tangent is a product with it can be transposed,
+    which a loop of unknown length cannot. Inputs are an array, or numbers one by one: then only
+    those columns are made that are asked for.
     """
     from tp_jax.simulation.reversal_controller import ReversalController
     from tp_jax.simulation.rodas4 import Rodas4
@@ -203,24 +209,30 @@ def _own(parts: Parts, max_steps: int) -> Callable:
     def motions(inputs, ts, tolerance):
         return engine(inputs, ts, tolerance, None).y
 
-    def derived(inputs, ts, tolerance):
-        ran = engine(inputs, ts, tolerance, jnp.arange(n_p))
-        # the engine's columns begin with the initial state
-        return ran.y, jnp.roll(ran.s, n_p, axis=-1)
-
-    derive = _of_one(derived)
     states = _of_one(motions, _states(parts, Rodas4(), ReversalController, max_steps))
 
     @jax.custom_jvp
     def run(inputs, ts, tolerance):
-        return states(inputs, ts, tolerance)
+        return states(jnp.stack(inputs), ts, tolerance)
 
-    @run.defjvp
+    @functools.partial(run.defjvp, symbolic_zeros=True)
     def _(primals, tangents):
-        y, s = derive(*primals)
-        return y, s @ tangents[0]
+        inputs, ts, tolerance = primals
+        asked = [i for i, t in enumerate(tangents[0]) if not isinstance(t, SymbolicZero)]
+        numbers = [i for i in asked if i < n_p]
 
-    return run
+        def derived(inputs, ts, tolerance):
+            ran = engine(inputs, ts, tolerance, jnp.array(numbers, dtype=int))
+            return ran.y, ran.s
+
+        y, s = _of_one(derived)(jnp.stack(inputs), ts, tolerance)
+        # the engine's columns begin with the initial state
+        place = [i - n_p if i >= n_p else parts.n_states + numbers.index(i) for i in asked]
+        if not asked:
+            return y, jnp.zeros_like(y)
+        return y, s[..., np.array(place)] @ jnp.stack([tangents[0][i] for i in asked])
+
+    return lambda inputs, ts, tolerance: run(tuple(inputs), ts, tolerance)
 
 
 def _of_one(many: Callable, alone: Callable | None = None) -> Callable:

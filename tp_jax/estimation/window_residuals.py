@@ -1,0 +1,327 @@
+"""The residuals of all windows as one function of the unknowns, which JAX can trace.
+
+Methods of optimistix minimise it. The windows' states are no unknowns of theirs: inside the
+function each window's state is put where the window fits best, so that what the method sees is the
+sum of squares that `variable_projection` minimises. The Jacobian is Kaufman's: the columns by the
+unknowns, less what the states make up for. It comes from the same integration as the residuals.
+
+Source: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10:413; Kaufman (1975), BIT 15:49.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from tp_jax.estimation.layout import Layout, Values
+from tp_jax.estimation.least_squares import MAX_STATE_STEP
+from tp_jax.estimation.linearisation import columns
+from tp_jax.estimation.problem import LANES, Problem
+from tp_jax.estimation.program import Block, linearise
+from tp_jax.estimation.robust import Loss, robustify
+from tp_jax.estimation.window_states import FIRST, HOPELESS
+
+#: Steps of the windows' states in one evaluation. Three are enough unless the rider of a window
+#: just sticks; such a window never ends, and all others would wait for it.
+ROUNDS = 4
+
+NO_SLOTS = np.zeros(0, int)  # directions of a pass that looks at the windows' states alone
+
+
+class Unfolded(NamedTuple):
+    """One block of windows (lanes last) and where each sample belongs.
+
+    recording: (L,) of each lane; states: (L, W, 4) at the windows' starts, W windows a lane;
+    window: (n, L) window of each sample in its lane; there: (L, W) whether there is one; previous,
+    before, scale: (n, 2, L) weights of the noise's whitening (see `_whitened`); block: the data.
+    """
+
+    recording: Int[Array, " L"]
+    states: Float[Array, "L W 4"]
+    window: Int[Array, "n L"]
+    there: Bool[Array, "L W"]
+    previous: Float[Array, "n 2 L"]
+    before: Float[Array, "n 2 L"]
+    scale: Float[Array, "n 2 L"]
+    block: Block
+
+
+class Coordinates(NamedTuple):
+    """How unknowns become numbers of the model.
+
+    rows: (u,) slots; own: (u,) the recording of each, -1 for all; place: (u,) of each among the
+    directions; typical: (u,); logs, asinhs: (u,) bool, whose coordinate is a logarithm or an asinh.
+    """
+
+    rows: Int[Array, " u"]
+    own: Int[Array, " u"]
+    place: Int[Array, " u"]
+    typical: Float[Array, " u"]
+    logs: Bool[Array, " u"]
+    asinhs: Bool[Array, " u"]
+
+    def values(self, u: Float[Array, " u"]) -> tuple[Float[Array, " u"], Float[Array, " u"]]:
+        """SI values of coordinates, and their slopes."""
+        bent = jnp.where(self.asinhs, u, 0.0)
+        exponential = jnp.exp(jnp.where(self.logs, u, 0.0))
+        x = jnp.where(
+            self.logs, exponential, jnp.where(self.asinhs, jnp.sinh(bent), u) * self.typical
+        )
+        return x, jnp.where(self.logs, x, self.typical * jnp.cosh(bent))
+
+
+class WindowResiduals(eqx.Module):
+    """Residuals of all windows at unknowns, the windows' states where each fits best.
+
+    Attributes:
+        layout, ids, loss, coloured: the model's structure, the effects that the program carries,
+            the loss, and whether noise is to be whitened; static.
+        tolerances: of the integration.
+        table: (P, R) all numbers, those of the unknowns to be overwritten.
+        directions: (d,) slots of the unknowns.
+        coordinates: of the unknowns.
+        blocks: the data, stacked along the first axis.
+        enough: drop of a window's sum of squares for which its state is not moved.
+        centre, weight: (u,) of the priors, 1/sd, 0 where there is none.
+    """
+
+    layout: Layout = eqx.field(static=True)
+    ids: frozenset[str] = eqx.field(static=True)
+    loss: Loss = eqx.field(static=True)
+    coloured: bool = eqx.field(static=True)
+    tolerances: Float[Array, " 2"]
+    table: Float[Array, "P R"]
+    directions: Int[Array, " d"]
+    coordinates: Coordinates
+    blocks: Unfolded
+    enough: Float[Array, ""]
+    centre: Float[Array, " u"]
+    weight: Float[Array, " u"]
+
+    def evaluate(self, u: Float[Array, " u"]) -> tuple[Float[Array, " r"], Float[Array, "r u"]]:
+        """Residuals in units of the noise, priors last, and their derivatives by coordinates u.
+
+        Not a number where a window cannot be integrated: a method then takes a shorter step.
+        """
+        c = self.coordinates
+        x, slope = c.values(u)
+        mine = (c.own[:, None] < 0) | (c.own[:, None] == jnp.arange(self.table.shape[1]))  # (u, R)
+        table = self.table
+        for j in range(c.rows.size):
+            table = table.at[c.rows[j]].set(jnp.where(mine[j], x[j], table[c.rows[j]]))
+
+        def one(b: Unfolded):
+            p = table[:, b.recording]
+            states = self._best_states(p, b)
+            seen = self._pass(p, states, b, self.directions)
+            by = slope * mine[:, b.recording].T[:, None, :]  # (L, 1, u)
+            direct = seen.jac[..., 4:][..., c.place] * by[:, :, None]
+            prior = seen.prior_jac[..., 4:][..., c.place] * by[:, :, None]
+            own, prior_own = seen.jac[..., :4], seen.prior_jac[..., :4]
+            cross = _by_window(jnp.einsum("lncx,lncu->lnxu", own, direct), b)
+            cross = cross + jnp.einsum("lwcx,lwcu->lwxu", prior_own, prior)
+            gain = -jnp.linalg.solve(_floored(seen.information, 0.0), cross)  # (L, W, 4, u)
+            lane = jnp.arange(LANES)[:, None]
+            jac = direct + jnp.einsum("lncx,lnxu->lncu", own, gain[lane, b.window.T])
+            prior = prior + jnp.einsum("lwcx,lwxu->lwcu", prior_own, gain)
+            r = jnp.concatenate([seen.r.reshape(-1), seen.prior_r.reshape(-1)])
+            J = jnp.concatenate([jac.reshape(-1, u.size), prior.reshape(-1, u.size)])
+            return jnp.where(seen.complete.all(), r, jnp.nan), J
+
+        r, J = jax.lax.map(one, self.blocks)
+        r = jnp.append(r.reshape(-1), (u - self.centre) * self.weight)
+        return r, jnp.concatenate([J.reshape(-1, u.size), jnp.diag(self.weight)])
+
+    def _best_states(self, p: Float[Array, "P L"], b: Unfolded) -> Float[Array, "L W 4"]:
+        """States (L, W, 4) from which no window gains much: damped Gauss-Newton, each its own."""
+        largest = jnp.asarray(MAX_STATE_STEP)
+
+        def look(states):
+            seen = self._pass(p, states, b, jnp.asarray(NO_SLOTS))
+            cost = jnp.where(seen.complete[:, None], seen.cost, jnp.inf)
+            return cost, seen.gradient, seen.information
+
+        def gains(carry):
+            _, damping, cost, g, H = carry
+            full = jnp.linalg.solve(_floored(H, 0.0), g[..., None])[..., 0]
+            promise = jnp.sum(g * full, axis=-1)
+            return b.there & jnp.isfinite(cost) & (promise > self.enough) & (damping < HOPELESS)
+
+        def go_on(carry):
+            count, inner = carry
+            return (count < ROUNDS) & jnp.any(gains(inner))
+
+        def move(carry):
+            count, (states, damping, cost, g, H) = carry
+            open_ = gains((states, damping, cost, g, H))
+            step = -jnp.linalg.solve(_floored(H, damping), g[..., None])[..., 0]
+            step = jnp.where(open_[..., None], jnp.clip(step, -largest, largest), 0.0)
+            new_cost, new_g, new_H = look(states + step)
+            better = open_ & (new_cost < cost)
+            damping = jnp.where(better, jnp.maximum(0.1 * damping, 1e-9), damping)
+            worse = open_ & ~better
+            damping = jnp.where(worse, 30.0 * jnp.maximum(damping, FIRST), damping)
+            states = jnp.where(better[..., None], states + step, states)
+            cost = jnp.where(better, new_cost, cost)
+            g = jnp.where(better[..., None], new_g, g)
+            H = jnp.where(better[..., None, None], new_H, H)
+            return count + 1, (states, damping, cost, g, H)
+
+        begin = (b.states, jnp.full(b.there.shape, FIRST), *look(b.states))
+        return jax.lax.while_loop(go_on, move, (0, begin))[1][0]
+
+    def _pass(
+        self, p: Float[Array, "P L"], states: Float[Array, "L W 4"], b: Unfolded,
+        directions: Int[Array, " d"],
+    ) -> "_Seen":  # fmt: skip
+        """One integration of a block; residuals whitened and under the loss."""
+        lane = jnp.arange(LANES)
+        x0 = states[lane, b.window].transpose(0, 2, 1)
+        out = linearise(self.layout, self.tolerances, self.ids, p, x0, b.block, directions)
+        r, jac = out.r, out.jac
+        if self.coloured:
+            both = _whitened(jnp.concatenate([r[..., None], jac], axis=-1), b)
+            r, jac = both[..., 0], both[..., 1:]
+        r, factor = robustify(r, self.loss, jnp)
+        jac = jac * factor[..., None]
+        own, prior_own = jac[..., :4], out.prior_jac[..., :4]
+        cost = _by_window(jnp.sum(r**2, axis=-1)[..., None], b)[..., 0]
+        g = _by_window(jnp.einsum("lncx,lnc->lnx", own, r), b)
+        H = _by_window(jnp.einsum("lncx,lncy->lnxy", own, own), b)
+        return _Seen(
+            r, jac, out.prior_r, out.prior_jac, out.complete,
+            cost + jnp.sum(out.prior_r**2, axis=-1),
+            g + jnp.einsum("lwcx,lwc->lwx", prior_own, out.prior_r),
+            H + jnp.einsum("lwcx,lwcy->lwxy", prior_own, prior_own),
+        )  # fmt: skip
+
+
+class _Seen(NamedTuple):
+    """A pass over a block: rows of samples and of priors; by window (L, W) its sum of squares, and
+    gradient and information of its state."""
+
+    r: Float[Array, "L n 2"]
+    jac: Float[Array, "L n 2 m"]
+    prior_r: Float[Array, "L W 4"]
+    prior_jac: Float[Array, "L W 4 m"]
+    complete: Bool[Array, " L"]
+    cost: Float[Array, "L W"]
+    gradient: Float[Array, "L W 4"]
+    information: Float[Array, "L W 4 4"]
+
+
+def _by_window(x: Float[Array, "L n ..."], b: Unfolded) -> Float[Array, "L W ..."]:
+    """Sums over the samples of each window."""
+    lanes, count = b.there.shape
+    where = (jnp.arange(lanes)[:, None] * count + b.window.T).reshape(-1)
+    flat = x.reshape(where.size, *x.shape[2:])
+    return jax.ops.segment_sum(flat, where, lanes * count).reshape(lanes, count, *x.shape[2:])
+
+
+def _floored(H: Float[Array, "L W 4 4"], damping) -> Float[Array, "L W 4 4"]:
+    """Information that can be solved with, damped (L, W).
+
+    A window that says nothing keeps its state where it is.
+    """
+    diagonal = jnp.einsum("lwii->lwi", H)
+    largest = diagonal.max(axis=-1, keepdims=True)
+    floor = jnp.where(largest > 0.0, 1e-12 * largest, 1.0)
+    more = jnp.asarray(damping)[..., None] * diagonal + floor
+    return H + more[..., None] * jnp.eye(H.shape[-1])
+
+
+def _whitened(x: Float[Array, "L n 2 q"], b: Unfolded) -> Float[Array, "L n 2 q"]:
+    """Rows whose noise is uncorrelated, as `Colour.whiten` makes them, window by window.
+
+    The innovations of an ARMA(1, 1): e_t = x_t - rho x_(t-1) - theta_t e_(t-1).
+    """
+
+    def step(carry, row):
+        x_before, e_before = carry
+        x, previous, before, scale = row
+        e = x - previous[..., None] * x_before - before[..., None] * e_before
+        return (x, e), e * scale[..., None]
+
+    rows = x.transpose(1, 2, 0, 3)  # (n, 2, L, q)
+    zero = jnp.zeros_like(rows[0])
+    _, white = jax.lax.scan(step, (zero, zero), (rows, b.previous, b.before, b.scale))
+    return white.transpose(2, 0, 1, 3)
+
+
+def window_residuals(
+    problem: Problem, values: Values, states: np.ndarray, unknowns, specs, anchors, *,
+    blocks: int, loss: Loss = "linear", enough: float = 0.01,
+) -> WindowResiduals:  # fmt: skip
+    """The function at a reference.
+
+    Args:
+        problem: recordings in windows.
+        values: all numbers that are not searched.
+        states: (w, 4) where the windows' states begin in every evaluation.
+        unknowns: what is searched. specs: their parameters. anchors: their priors.
+        blocks: how many there are to be, those of other horizons included; the rest is empty.
+        loss: of a residual.
+        enough: see `WindowResiduals`.
+    """
+    found = [_unfolded(problem, states, *each) for each in problem.blocks()]
+    empty = jax.tree.map(np.zeros_like, found[0])
+    first = found[0].block
+    empty = empty._replace(
+        scale=np.ones_like(empty.scale),
+        block=empty.block._replace(count=np.ones_like(first.count), ts=first.ts),
+    )
+    found += [empty] * (blocks - len(found))
+    slots, index = columns(unknowns), problem.layout.index
+    directions = np.array([index[s] for s in slots], dtype=int)
+    centre, weight = np.zeros(len(unknowns)), np.zeros(len(unknowns))
+    for a in anchors:
+        i = list(unknowns).index(a.unknown)
+        centre[i], weight[i] = a.centre, 1.0 / a.sd
+    asked = problem.programs.asked(directions.tolist())
+    return WindowResiduals(
+        layout=problem.layout,
+        ids=problem.programs.cover(problem.programs.active(values.table), asked),
+        loss=loss,
+        coloured=problem.coloured,
+        tolerances=jnp.asarray(np.array(problem.tolerances, float)),
+        table=jnp.asarray(values.table),
+        directions=jnp.asarray(directions),
+        coordinates=Coordinates(
+            rows=jnp.asarray([index[u.name] for u in unknowns]),
+            own=jnp.asarray([-1 if u.recording is None else u.recording for u in unknowns]),
+            place=jnp.asarray([slots.index(u.name) for u in unknowns]),
+            typical=jnp.asarray([s.typical for s in specs]),
+            logs=jnp.asarray([s.transform == "log" for s in specs]),
+            asinhs=jnp.asarray([s.transform == "asinh" for s in specs]),
+        ),
+        blocks=jax.tree.map(lambda *x: jnp.stack(x), *found),
+        enough=jnp.asarray(enough),
+        centre=jnp.asarray(centre),
+        weight=jnp.asarray(weight),
+    )
+
+
+def _unfolded(
+    problem: Problem, states: np.ndarray, which: np.ndarray, places: np.ndarray, block: Block
+) -> Unfolded:
+    """Where the windows of a block lie, and their noise."""
+    n, count = problem.capacity, block.begins.shape[0]
+    recording, start = np.zeros(LANES, int), np.zeros((LANES, count, 4))
+    window, there = np.zeros((n, LANES), int), np.zeros((LANES, count), bool)
+    previous, before = np.zeros((n, 2, LANES)), np.zeros((n, 2, LANES))
+    scale = np.ones((n, 2, LANES))
+    for i, (_, lane, at, rank) in zip(which, places, strict=True):
+        size = int(problem.windows.count[i])
+        span = slice(at, at + size)
+        r = recording[lane] = problem.windows.recording[i]
+        start[lane, rank], there[lane, rank] = states[i], True
+        window[span, lane] = rank
+        window[at + size :, lane] = rank  # what comes after the last one weighs nothing
+        for c, colour in enumerate(problem.prepared[r].colour):
+            rho, theta, innovation = colour.innovations(size)
+            previous[span, c, lane], before[span, c, lane] = rho, theta
+            scale[span, c, lane] = innovation
+    return Unfolded(recording, start, window, there, previous, before, scale, block)  # type: ignore[arg-type]
