@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tp_jax.acquisition import read_calibration, write_calibration
 from tp_jax.acquisition.calibration import Calibration, SensorCalibration, nominal
-from tp_jax.acquisition.calibration_fit import fit_calibration
+from tp_jax.acquisition.calibration_run import fit_calibration
 from tp_jax.errors import InputError
 
 VALUES = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tp_jax.acquisition.calibration import Calibration, SensorCalibration
-from tp_jax.acquisition.metadata import calibration_entry, metadata_path, write_metadata
+from tp_jax.acquisition.run_log import calibration_entry, metadata_path, write_metadata
 from tp_jax.recordings import CalibrationError, CampaignError, load_campaign
 from tp_jax.schemas.recording import VERSION
 

@@ -6,8 +6,7 @@ import tomllib
 from pathlib import Path
 
 from tp_jax._files import bytes_of, replaced
-from tp_jax.acquisition.metadata import metadata_path
-from tp_jax.acquisition.recorded import Recorded
+from tp_jax.acquisition.run_log import Recorded, metadata_path
 from tp_jax.errors import InputError
 from tp_jax.recordings import LEAST_SAMPLES, load_campaign
 from tp_jax.recordings.checks import check_recording

@@ -82,6 +82,9 @@ STATUS = {
 SINE1, COSINE1, SINE2, COSINE2 = 1, 2, 4, 8
 """Bits of `wired`."""
 
+BRIDGES = ("sine1", "cosine1", "sine2", "cosine2")
+"""Their names, by bit."""
+
 RUNNING, DRIVES, CALIBRATED = 1, 2, 4
 """Bits of an identity's flags: a run is on; the rig has a motor to command; it announces
 calibrations."""

@@ -59,9 +59,9 @@ def run(args: argparse.Namespace) -> None:
     if any(out.exists() and Path(file).exists() and out.samefile(file) for file in args.files):
         raise InputError(f"The calibration would replace the readings {out}; name another --out.")
 
-    from tp_jax.acquisition.calibration_file import write_calibration
+    from tp_jax.acquisition.calibration import write_calibration
     from tp_jax.acquisition.calibration_run import calibrate
-    from tp_jax.acquisition.metadata import calibration_entry
+    from tp_jax.acquisition.run_log import calibration_entry
 
     calibration, runs = calibrate(args.files, args.law, degrees=args.degrees)
     ready(args.json, out)
