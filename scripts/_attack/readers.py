@@ -115,7 +115,7 @@ def _calibration(content: bytes, folder: Path) -> None:
 
 
 def _readings(content: bytes, folder: Path) -> None:
-    from tp_jax.acquisition.calibration_run import calibrate
+    from tp_jax.recordings.calibration_run import calibrate
 
     calibrate([str(_put(folder, "volts.csv", content))])
 

@@ -12,12 +12,6 @@ NumPy, pySerial and cobs only, so that recording starts at once; SciPy where a c
 fitted. firmware/ holds sketches of what a rig has to send.
 """
 
-from tp_jax.acquisition.calibration import Calibration as Calibration
-from tp_jax.acquisition.calibration import SensorCalibration as SensorCalibration
-from tp_jax.acquisition.calibration import read_calibration as read_calibration
-from tp_jax.acquisition.calibration import write_calibration as write_calibration
-from tp_jax.acquisition.calibration_run import calibrate as calibrate
-from tp_jax.acquisition.calibration_run import fit_calibration as fit_calibration
 from tp_jax.acquisition.clock import ClockFit as ClockFit
 from tp_jax.acquisition.clock import fit_clock as fit_clock
 from tp_jax.acquisition.port import Port as Port
@@ -25,3 +19,9 @@ from tp_jax.acquisition.recorder import record as record
 from tp_jax.acquisition.run_log import Recorded as Recorded
 from tp_jax.acquisition.run_log import Settings as Settings
 from tp_jax.acquisition.run_log import Status as Status
+from tp_jax.recordings.calibration import Calibration as Calibration
+from tp_jax.recordings.calibration import SensorCalibration as SensorCalibration
+from tp_jax.recordings.calibration import read_calibration as read_calibration
+from tp_jax.recordings.calibration import write_calibration as write_calibration
+from tp_jax.recordings.calibration_run import calibrate as calibrate
+from tp_jax.recordings.calibration_run import fit_calibration as fit_calibration

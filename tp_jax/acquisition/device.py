@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from tp_jax.acquisition import protocol
-from tp_jax.acquisition.calibration import Calibration, SensorCalibration, nominal
 from tp_jax.acquisition.frames import END
 from tp_jax.acquisition.parser import Batch, FrameParser, TextParser
 from tp_jax.acquisition.port import Port
 from tp_jax.acquisition.protocol import Ack, Announced, Command, Identity, Message
 from tp_jax.errors import InputError
+from tp_jax.recordings.calibration import Calibration, SensorCalibration, nominal
 
 ANSWER_WITHIN = 0.4
 """Seconds until a command is sent again: the answer, or the command, may have been damaged."""
@@ -163,7 +163,7 @@ class Device:
                 f"The rig at {self.port.name} does not answer the command {name}; restart it."
             )
         if ack.status != protocol.OK:
-            what = protocol.STATUS.get(ack.status, "refuses")
+            what = (*protocol.STATUS, *["refuses"] * 256)[ack.status]
             asked = " ".join([name, *(f"{v:g}" for v in values)])
             raise InputError(
                 f"The rig at {self.port.name} {what}: {asked}; ask for what it can do."

@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 
 from tp_jax.acquisition import protocol
-from tp_jax.acquisition.calibration import Calibration
 from tp_jax.acquisition.clock import ClockFit
 from tp_jax.acquisition.device import Device
 from tp_jax.acquisition.port import Port, Unplugged
@@ -25,17 +24,15 @@ from tp_jax.acquisition.run_log import Progress, Recorded, RunLog, Settings, met
 from tp_jax.acquisition.streams import Stream
 from tp_jax.acquisition.writer import already_there, scale_time
 from tp_jax.errors import InputError
+from tp_jax.recordings.calibration import Calibration
 
 _LOG = logging.getLogger(__name__)
 
-SIGNIFICANT_SKEW = 5e-5
-"""A host's own clock is a crystal as well: below this either of the two may be to blame."""
-
+# A host's own clock is a crystal as well: below a skew of 5e-5 either of the two may be to blame.
+# The worst oscillator, of a resistor and a capacitor, is wrong by a tenth: a rig that seems more so
+# does not keep the time that it writes.
+SIGNIFICANT_SKEW, LARGEST_SKEW = 5e-5, 0.2
 SIGNIFICANT_ERRORS = 3.0
-
-LARGEST_SKEW = 0.2
-"""The worst oscillator, of a resistor and a capacitor, is wrong by a tenth. More is no skew: what
-is behind the port does not keep the time that it writes."""
 
 LARGEST_RELEASE = 0.5 * np.pi
 """rad; from further on the bridges cannot tell which turn a run began in."""
@@ -51,14 +48,12 @@ def record(
     baud: int = protocol.BAUD,
     progress: Progress | None = None,
 ) -> Recorded:
-    """Records one run.
-
-    Ctrl-C ends it early and keeps what there is.
+    """Records one run. Ctrl-C ends it early and keeps what there is.
 
     Args:
         port: an open port, or the name of one, which is closed in the end.
         out: the file, which must not exist yet.
-        settings: what is to be recorded.
+        settings: of the run.
         baud: for a port that is opened here.
         progress: called some ten times a second.
 

@@ -1,36 +1,10 @@
 """The record of one run: its file, its counts, and FILE.csv.meta.json beside FILE.csv.
 
-The metadata are there from the first sample on and say `"state": "recording"` until the end, so
-that a recording that was cut off tells so itself.
-
-    {"schema": "tp-jax/recording/1", "file": "run.csv", "columns": ["t", "phi1", "phi2"],
-     "state": "complete",              // recording | complete | interrupted | unplugged
-                                       // | restarted | silent | failed
-     "started": "2026-03-01T09:30:00.123456+00:00",    // host's clock at t = 0, UTC
-     "command": ["tp-jax", "record", ...],
-     "port": "/dev/ttyACM0", "baud": 460800, "stream": "frames",      // or "text"
-     "device": {"name": "...", "boot": 1, "protocol": 1, "rate": 1000.0, ...},  // null: text
-     "drive": {"omega": 13.09, "amplitude": null, "release": null,
-               "commanded": true},     // false: a text stream, or a rig without a motor to command
-     "calibration": {"source": "...", "phi1": {"law": "sine_cosine", ..., "standard_error":
-                     {"angle": [..], "value": [..], "modes": [[..], ..], "largest": ..}}},  // rad
-     "samples": {"written": 60001, "lost": 0, "implausible": 0, "clipped": {"phi1": 0}},
-     "frames": {"good": 60003, "corrupt": 0, "unknown": 0},
-     "gaps": [{"after": 20.0, "before": 23.001, "samples": 3000, "cause": "unplugged"}],  // s
-     "gaps_not_listed": 0,
-     "uncertain_turns": {"phi2": [23.001]},            // times at which a branch was guessed
-     "clock": {"skew": 1.2e-6, "skew_error": .., "offset": .., "offset_error": .., "delay": ..,
-               "applied": false},      // null: too short, or not in real time
-     "time": "...",                    // in words, what the time column is
-     "notes": ["..."]}                 // what was left out or changed, a sentence each
-
-`standard_error` is the part of the angle's error that the calibration causes, the same for all
-samples at an angle. `modes` are the shapes over the angle it is made of, independent of each other;
-`value` is their root sum of squares (see `recordings.calibration_error`).
+The metadata (docs/recording.md shows them) are there from the first sample on and say
+`"state": "recording"` until the end, so that a recording that was cut off tells so itself.
 """
 
 import json
-import math
 import os
 import time
 from array import array
@@ -43,29 +17,23 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax._files import replaced
+from tp_jax._files import plain, replaced
 from tp_jax._version import __version__
-from tp_jax.acquisition.calibration import Calibration, SensorCalibration
 from tp_jax.acquisition.clock import ClockFit, fit_clock
 from tp_jax.acquisition.port import Port
 from tp_jax.acquisition.protocol import BRIDGES
 from tp_jax.acquisition.streams import Rows, Stream
 from tp_jax.acquisition.writer import CsvWriter
+from tp_jax.recordings.calibration import Calibration, calibration_entry
 from tp_jax.schemas.recording import VERSION
 
-LISTED_FROM = 0.05
-"""Seconds from which on a gap is listed by itself; shorter ones are only counted."""
-
+LISTED_FROM = 0.05  # seconds of a gap that is listed by itself; shorter ones are only counted
 MOST_LISTED = 1000
+POLL = 1e-3  # seconds between two polls of a USB port
 
-POLL = 1e-3
-"""Seconds between two polls of a USB port."""
-
-MOST_LEFT_OUT = 0.1
-"""Share of the samples that came which may be left out of a recording that is as asked for."""
-
-LEAST_WRITTEN = 0.5
-"""Share of a run's samples that must be in the file for the same."""
+# A recording is as asked for with up to this share of what came left out, and at least that share
+# of the run's samples in the file: a bad line loses some, a clock that cannot be read loses most.
+MOST_LEFT_OUT, LEAST_WRITTEN = 0.1, 0.5
 
 _EVERY = 5.0  # seconds between two writings of the metadata
 _PLOT_SAMPLES = 4000
@@ -73,55 +41,32 @@ _PLOT_SAMPLES = 4000
 
 @dataclass(frozen=True)
 class Settings:
-    """What is to be recorded, and how.
+    """The run that is to be recorded, and how."""
 
-    Attributes:
-        duration: from the begin of the run [s], both ends included.
-        omega: of the drive [rad/s]; None: the motor stands at neutral.
-        amplitude: of the drive [rad]; None: what the rig has.
-        release: angle [rad] the column is let go from; excludes omega.
-        calibration: None: what the rig announces, or nominal values.
-        patience: seconds in which a rig must answer, and may be silent.
-        reconnect: seconds in which an unplugged one must be back.
-        real_time: whether the rig's clock is meant to run as the host's.
-        command: that asked for it, for the metadata.
-    """
-
-    duration: float
-    omega: float | None = None
-    amplitude: float | None = None
-    release: float | None = None
-    calibration: Calibration | None = None
-    patience: float = 5.0
-    reconnect: float = 30.0
-    real_time: bool = True
-    command: Sequence[str] = ()
+    duration: float  # from the begin of the run [s], both ends included
+    omega: float | None = None  # of the drive [rad/s]; None: the motor stands at neutral
+    amplitude: float | None = None  # of the drive [rad]; None: that of the rig
+    release: float | None = None  # angle [rad] the column is let go from; excludes omega
+    calibration: Calibration | None = None  # None: that which the rig announces, or nominal values
+    patience: float = 5.0  # seconds in which a rig must answer, and may be silent
+    reconnect: float = 30.0  # seconds in which an unplugged one must be back
+    real_time: bool = True  # whether the rig's clock is meant to run as the host's
+    command: Sequence[str] = ()  # that asked for it, for the metadata
 
 
 @dataclass(frozen=True)
 class Status:
-    """A recording in the making, for whoever shows it.
+    """A recording in the making, for whoever shows it."""
 
-    Attributes:
-        t: time of the last sample [s].
-        duration: wanted [s].
-        rate: samples per second of late, on the host's clock; None before it is known.
-        written, lost: samples.
-        corrupt: frames or lines.
-        unplugged: whether the rig is waited for.
-        names: of the columns.
-        recent: (n, columns) the last samples.
-    """
-
-    t: float
-    duration: float
-    rate: float | None
-    written: int
-    lost: int
-    corrupt: int
-    unplugged: bool
-    names: tuple[str, ...]
-    recent: np.ndarray
+    t: float  # time of the last sample [s]
+    duration: float  # wanted [s]
+    rate: float | None  # samples per second of late, on the host's clock; None: not known yet
+    written: int  # samples
+    lost: int  # samples
+    corrupt: int  # frames or lines
+    unplugged: bool  # whether the rig is waited for
+    names: tuple[str, ...]  # of the columns
+    recent: np.ndarray  # (n, columns) the last samples
 
 
 Progress = Callable[[Status], None]
@@ -129,23 +74,14 @@ Progress = Callable[[Status], None]
 
 @dataclass(frozen=True)
 class Recorded:
-    """A recording that was written.
-
-    Attributes:
-        path: the file.
-        state: how it ended: complete, interrupted, unplugged, restarted or silent.
-        omega: of the drive [rad/s], on the time column; None where it was not driven.
-        forced: whether the motor ran.
-        duration: from the first to the last sample [s].
-        metadata: as in the file beside it.
-    """
+    """A recording that was written."""
 
     path: Path
-    state: str
-    omega: float | None
-    forced: bool
-    duration: float
-    metadata: dict[str, Any]
+    state: str  # how it ended: complete, interrupted, unplugged, restarted or silent
+    omega: float | None  # of the drive [rad/s], on the time column; None: it was not driven
+    forced: bool  # whether the motor ran
+    duration: float  # from the first to the last sample [s]
+    metadata: dict[str, Any]  # as in the file beside it
 
     @property
     def rows(self) -> int:
@@ -154,7 +90,7 @@ class Recorded:
 
     @property
     def fault(self) -> str | None:
-        """Why it is not what was asked for, in one sentence; None where it is, or was stopped."""
+        """Why it is not as asked for, in one sentence; None where it is, or was interrupted."""
         why = {
             "unplugged": "the rig was unplugged and did not come back",
             "restarted": "the rig has restarted, and its run with it",
@@ -165,17 +101,14 @@ class Recorded:
                 f"The recording ended after {self.duration:.6g} s, since {why}; {self.path} keeps "
                 f"the {self.rows} samples until then."
             )
-        samples = self.metadata["samples"]
-        lost, left_out = samples.get("lost", 0), samples.get("implausible", 0)
-        enough = self.rows >= LEAST_WRITTEN * (self.rows + lost)
-        if self.state != "complete" or (
-            enough and left_out <= MOST_LEFT_OUT * (self.rows + left_out)
-        ):
-            return None
-        return (
-            f"{self.path} is not what was asked for: it has {self.rows} samples, {left_out} more "
-            f"were left out and {lost} lost; see to the rig and record again."
-        )
+        lost, left_out = (self.metadata["samples"].get(n, 0) for n in ("lost", "implausible"))
+        few = self.rows < LEAST_WRITTEN * (self.rows + lost)
+        if self.state == "complete" and (few or left_out > MOST_LEFT_OUT * (self.rows + left_out)):
+            return (
+                f"{self.path} is not what was asked for: it has {self.rows} samples, {left_out} "
+                f"more were left out and {lost} lost; see to the rig and record again."
+            )
+        return None
 
 
 class RunLog:
@@ -189,12 +122,13 @@ class RunLog:
 
     def __init__(self, path: Path, port: Port, stream: Stream, settings: Settings) -> None:
         self.path, self.port, self.stream, self.settings = path, port, stream, settings
-        self.state = "recording"
-        self.written = 0
-        self.duration = 0.0
+        self.state, self.written, self.duration = "recording", 0, 0.0
         self._writer: CsvWriter | None = None
         # the clock of a text stream need not begin with the recording
         self._begin = 0.0 if stream.kind == "frames" else None
+        self._first = 0.0
+        self._least = np.full(len(stream.names), np.inf)
+        self._largest = -self._least
         self._cut = 0  # samples after the end
         self._started: float | None = None
         self._rig, self._host = array("d"), array("d")
@@ -202,9 +136,6 @@ class RunLog:
         self._gaps_not_listed = 0
         self._cause: str | None = None  # of the next gap
         self._lost_at_end = 0  # samples of gaps that reach beyond the run's end
-        self._first = 0.0
-        self._least = np.full(len(stream.names), np.inf)
-        self._largest = -self._least
         self._saved = 0.0
         self._recent: deque[np.ndarray] = deque()
         self._rate: float | None = None
@@ -212,22 +143,21 @@ class RunLog:
 
     def take(self, rows: Rows) -> None:
         """Writes rows up to the end of the run, and says in `state` whether that was reached."""
-        values, timeline = rows.values, self.stream.timeline
+        values, period = rows.values, self.stream.timeline.period or 0.0
         if not len(values):
             return
         if rows.arrival is not None:
             self._arrived(*rows.arrival)
         self.note_gaps()
-        period = timeline.period or 0.0
         if self._begin is None:
             self._begin = float(values[0, 0])
         end = self._begin + self.settings.duration
         inside = int(np.searchsorted(values[:, 0], end + 0.25 * period, "right"))
         self._cut += len(values) - inside
-        if values[-1, 0] >= end - 0.25 * period:
-            self.state = "complete"
         if inside:
             self._write(values[:inside])
+        if values[-1, 0] >= end - 0.25 * period:
+            self.state = "complete"
 
     def next_gap(self, cause: str) -> None:
         """Says that the next gap is that of a port that had gone, or of a rig not heard."""
@@ -272,7 +202,7 @@ class RunLog:
         return fit_clock(np.frombuffer(self._rig), np.frombuffer(self._host), poll)
 
     def close(self) -> None:
-        """Puts the file on the disk, and says in its metadata where that failed."""
+        """Puts the file on the disk, and says in its metadata where the recording failed."""
         if self._writer is not None:
             self._writer.close()
             if self.state == "failed":
@@ -288,11 +218,11 @@ class RunLog:
             fit: of the rig's clock.
             factor: by which the times in the file were multiplied.
         """
-        stream, settings = self.stream, self.settings
+        stream, settings, identity = self.stream, self.settings, self.stream.identity
         ends = zip(stream.names, self._least.tolist(), self._largest.tolist(), strict=True)
         spans = {n: (low, high) for n, low, high in ends if n != "t" and self.written}
         started = time.time() if self._started is None else self._started
-        identity, timeline, parser = stream.identity, stream.timeline, stream.parser
+        corrected = ", times 1/(1 + skew) by the host's clock, omega times (1 + skew)"
         device: dict[str, Any] | None = None
         if identity is not None:
             device = asdict(identity)
@@ -320,10 +250,10 @@ class RunLog:
             "samples": {
                 "written": self.written,
                 "lost": self._lost(),
-                "implausible": timeline.implausible,
+                "implausible": stream.timeline.implausible,
                 "clipped": stream.clipped,
             },
-            "frames": {"good": parser.good, "corrupt": parser.corrupt, "unknown": parser.unknown},
+            "frames": {n: getattr(stream.parser, n) for n in ("good", "corrupt", "unknown")},
             "gaps": [
                 {**gap, "after": gap["after"] * factor, "before": gap["before"] * factor}
                 for gap in self._gaps
@@ -335,7 +265,7 @@ class RunLog:
                 if times
             },
             "clock": None if fit is None else {**asdict(fit), "applied": factor != 1.0},
-            "time": _TIME[stream.kind] + (_CORRECTED if factor != 1.0 else ""),
+            "time": stream.time + (corrected if factor != 1.0 else ""),
             "notes": stream.notes,
             "version": __version__,
         }
@@ -363,9 +293,7 @@ class RunLog:
             self._recent.popleft()
         if time.monotonic() - self._saved > _EVERY:
             self._saved = time.monotonic()
-            state, self.state = self.state, "recording"
             self.save(self.settings.omega)
-            self.state = state
 
     def _lost(self) -> int:
         """Samples missing up to the last one written, or up to the run's end where it was reached.
@@ -381,13 +309,6 @@ class RunLog:
         return timeline.lost - min(max(beyond - self._cut, 0), self._lost_at_end)
 
 
-_TIME = {
-    "frames": "the rig's clock, 0 at the begin of the run",
-    "text": "as the rig printed it",
-}
-_CORRECTED = ", times 1/(1 + skew) by the host's clock, omega times (1 + skew)"
-
-
 def metadata_path(recording: str | os.PathLike[str]) -> Path:
     """The place of a recording's metadata."""
     return Path(f"{os.fspath(recording)}.meta.json")
@@ -395,60 +316,8 @@ def metadata_path(recording: str | os.PathLike[str]) -> Path:
 
 def write_metadata(recording: Path, content: Mapping[str, Any]) -> dict[str, Any]:
     """Writes or replaces a recording's metadata; returns them in JSON's own types."""
-    plain = _plain(content)
-    text = json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    own = plain(content)
+    text = json.dumps(own, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     with replaced(metadata_path(recording)) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
-    return plain
-
-
-def calibration_entry(
-    calibration: Calibration, spans: Mapping[str, tuple[float, float]]
-) -> dict[str, Any]:
-    """The calibration with its standard errors over the angles that were recorded.
-
-    Args:
-        calibration: of the rig.
-        spans: sensor -> least and largest angle [rad] recorded, where there are any yet.
-    """
-    usual = (-0.25 * math.pi, 0.25 * math.pi)
-    sensors = calibration.sensors.items()
-    return {
-        "source": calibration.source,
-        **{n: _sensor_entry(sensor, *spans.get(n, usual)) for n, sensor in sensors},
-    }
-
-
-def _sensor_entry(sensor: SensorCalibration, low: float, high: float) -> dict[str, Any]:
-    if high - low >= math.pi and sensor.law != "line":
-        # a bridge repeats itself after half a turn: a ring that winds needs no more of it
-        low, high = -0.5 * math.pi, 0.5 * math.pi
-    angle = np.linspace(low, max(high, low + 1e-3), 25)  # of a body that never moved as well
-    error, modes = sensor.standard_error(angle), sensor.error_modes(angle)
-    return {
-        "law": sensor.law,
-        **sensor.parameters,
-        "errors": sensor.errors,
-        "covariance": sensor.covariance,
-        "span": sensor.span,
-        "residual": sensor.residual,
-        "standard_error": {
-            "angle": angle,
-            "value": error,
-            "modes": modes[modes.any(axis=1)],
-            "largest": float(error.max()),
-        },
-    }
-
-
-def _plain(value: Any) -> Any:
-    """The value in JSON's own types; NaN and infinities become null."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if hasattr(value, "tolist"):
-        return _plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    return own

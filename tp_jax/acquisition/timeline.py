@@ -19,12 +19,6 @@ import numpy as np
 
 from tp_jax.errors import InputError
 
-CONFIRMED = 3
-"""Samples in a row that must follow from each other where something else than the next came."""
-
-CONFIRMED_AHEAD = 2
-"""The same for rows of text after a gap, of which none is left out."""
-
 WRAP = 1 << 32
 """Of sequence numbers and times on the wire; the most samples that are counted as missing."""
 
@@ -40,28 +34,26 @@ NEXT = 2.5
 BEHIND = 20
 """Samples behind the last up to which one is a repeated or a late one, and no new begin."""
 
-LEARNT_FROM = 8
-"""Rows of text that are looked at together for the period before the first is believed."""
+CONFIRMED, CONFIRMED_AHEAD = 3, 2
+"""Samples in a row that must follow from each other to be right; the latter rows after a gap."""
 
-MOST_LOOKED_AT = 200
-"""Rows of text after which times that do not rise are given up."""
+LEARNT_FROM, MOST_LOOKED_AT = 8, 200
+"""Rows of text from which the period is learnt before the first is believed."""
 
 UNITS = {"seconds": 1.0, "milliseconds": 1e3, "microseconds": 1e6}
-UNIT_WITHIN = 0.5
-"""Seconds of the host's clock from which a unit is told: rows may have waited in a buffer."""
+LISTENED = 0.5
+"""Seconds of the host's clock by which a unit is told."""
+
+COUNTERS = (2.0**31, 2.0**32)
+"""Counts after which counters wrap: 32 bits, with a sign or without; a few drop the highest bit."""
 
 WRAPPED_WITHIN = 10.0
-"""Seconds behind a wrap within which the next row is looked for; a rig begins anew anywhere."""
+"""Seconds after a wrap within which the next row is looked for; a rig begins anew anywhere."""
 
 
 @dataclass(frozen=True)
 class Gap:
-    """Samples missing between two that are there.
-
-    Attributes:
-        after, before: times of the two [s].
-        samples: how many are missing.
-    """
+    """So many samples are missing between two that are there, at the times after and before [s]."""
 
     after: float
     before: float
@@ -101,8 +93,7 @@ class Timeline:
         self._scale = 1.0 if period is None else 1e6
         self._period = 0.0 if period is None else period * 1e6
         self._begin = begin
-        # as if sample -1 had been there
-        self._number, self._time = -1, -round(self._period)
+        self._number, self._time = -1, -round(self._period)  # as if sample -1 had been there
         self._at_once = 2 if self._text else LONGEST_STEP
         self._aside: list[tuple[int, Any, Any]] = []
         self._looked_at: list[np.ndarray] = []
@@ -125,11 +116,7 @@ class Timeline:
         return gaps
 
     def feed(self, sequence: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places numbered samples in time.
-
-        Args:
-            sequence: (n,) sequence numbers as on the wire.
-            time: (n,) times as on the wire [µs].
+        """Places (n,) numbered samples in time, numbers and times [µs] as on the wire.
 
         Returns:
             (m,) indices of the samples that are believed, and their (m,) times since the begin of
@@ -141,11 +128,11 @@ class Timeline:
         since = (time.astype(np.int64) - self._begin) % WRAP
         steps = np.diff(number, prepend=self._number % WRAP) % WRAP
         elapsed = np.diff(since, prepend=self._time % WRAP) % WRAP
-        if steps.min() >= 1 and steps.max() <= LONGEST_STEP and not self._aside:
-            if elapsed.min() > 0 and self._agree(steps, elapsed).all():
-                times = self._time + np.cumsum(elapsed)
-                self._accept(steps, times)
-                return np.arange(number.size), times / 1e6
+        follow = (steps >= 1) & (steps <= LONGEST_STEP) & self._agree(steps, elapsed)
+        if follow.all() and not self._aside:
+            times = self._time + np.cumsum(elapsed)
+            self._accept(steps, times)
+            return np.arange(number.size), times / 1e6
         pairs = enumerate(zip(number.tolist(), since.tolist(), strict=True))
         found = [each for i, pair in pairs for each in self._one(*pair, i)]
         kept, placed = [i for i, _ in found], [t for _, t in found]
@@ -154,11 +141,11 @@ class Timeline:
     # Text ---------------------------------------------------------------------------------------
 
     def feed_rows(self, rows: np.ndarray, host: float | None = None) -> np.ndarray:
-        """Places rows of text in time.
+        """Places (n, columns) rows of text in time, the time as it was printed first.
 
         Args:
-            rows: (n, columns), the time as it was printed first.
-            host: the host's clock [s] when they came; None: the times are seconds.
+            rows: as they came.
+            host: the host's clock [s] at that; None: the times are seconds.
 
         Returns:
             (m, columns) rows that are believed, earlier ones that were set aside among them, with
@@ -172,22 +159,20 @@ class Timeline:
         if self.period is None:
             self._looked_at += list(rows)
             self._listened[1:] = [] if host is None else [(host, len(self._looked_at))]
-            rows = self._learn(UNIT_WITHIN)
+            rows = self._learn(LISTENED)
             if self.period is None:
                 return rows
-        if not self._aside:
-            t = self.seconds(rows[:, 0])
-            elapsed = np.diff(t, prepend=self._time)
-            if elapsed.min() > 0.0 and elapsed.max() <= NEXT * self._period:
-                steps = np.maximum(np.rint(elapsed / self._period), 1.0).astype(int)
-                self._accept(steps, t)
-                return np.column_stack([t, rows[:, 1:]])
+        t = self.seconds(rows[:, 0])
+        elapsed = np.diff(t, prepend=self._time)
+        if not self._aside and elapsed.min() > 0.0 and elapsed.max() <= NEXT * self._period:
+            self._accept(np.maximum(np.rint(elapsed / self._period), 1.0).astype(int), t)
+            return np.column_stack([t, rows[:, 1:]])
         kept: list[np.ndarray] = []
         for row in rows:
-            t = float(self.seconds(row[0]))
-            wrap = self._wrap(t)
-            believed = self._one(0, round(t + wrap, 9) if wrap else t, row[1:])
-            kept += [np.concatenate([[time], readings]) for readings, time in believed]
+            time = float(self.seconds(row[0]))
+            wrap = self._wrap(time)
+            believed = self._one(0, round(time + wrap, 9) if wrap else time, row[1:])
+            kept += [np.concatenate([[at], readings]) for readings, at in believed]
             if believed and wrap:
                 self._shift += wrap
                 self.wraps.append(float(kept[-1][0]))
@@ -223,7 +208,7 @@ class Timeline:
             return rows[:0]
         period = float(np.median(rising))
         # Nobody samples a pendulum once a second or slower, but a counter of milliseconds looks so.
-        # What came with the first bytes may have waited in a buffer, so it is not counted.
+        # The rows of the first bytes may have waited in a buffer, so they are not counted.
         if period >= 1.0 and self._listened:
             (begin, first), (end, _) = self._listened[0], self._listened[-1]
             if end - begin <= listened:
@@ -233,22 +218,18 @@ class Timeline:
         self.period = self._period = period / UNITS[self.unit]
         # one period before the first row that the next one follows from
         ok = np.flatnonzero((steps > 0.0) & (steps <= NEXT * period))
-        first = self.seconds(rows[ok[0] if ok.size else 0, 0])
-        self._time = float(first) - self.period
+        self._time = float(self.seconds(rows[ok[0] if ok.size else 0, 0])) - self.period
         return rows
 
     def _wrap(self, t: float) -> float:
-        """Seconds by which a counter that has wrapped is behind; 0 where none has.
-
-        Counters have 32 bits and are printed with a sign or without; a few drop the highest bit.
-        A rig that has begun anew is nowhere near any of these differences.
-        """
+        """Seconds by which a counter that has wrapped is behind; 0 where none has."""
         if t >= self._time - BEHIND * self._period:
             return 0.0
-        units = UNITS.values() if self.unit == "seconds" else [UNITS[self.unit]]
-        differences = sorted(count / unit for unit in units if unit > 1.0 for count in _WRAPS)
-        ahead = [each for each in differences if 0.0 < t + each - self._time <= WRAPPED_WITHIN]
-        return ahead[0] if ahead else 0.0
+        for unit in UNITS.values() if self.unit == "seconds" else [UNITS[self.unit]]:
+            for count in COUNTERS if unit > 1.0 else ():
+                if 0.0 < t + count / unit - self._time <= WRAPPED_WITHIN:
+                    return count / unit
+        return 0.0
 
     # Both ---------------------------------------------------------------------------------------
 
@@ -259,8 +240,7 @@ class Timeline:
         step, elapsed = self._between(self._number, self._time, number, time)
         if 1 <= step <= self._at_once and self._agree(step, elapsed):
             self._leave_aside()
-            self._accept(np.array([step]), [self._time + elapsed if not self._text else time])
-            return [(payload, self._time)]
+            return self._believe(step, time if self._text else self._time + elapsed, payload)
         if -BEHIND <= step <= 0:
             self.implausible += 1
             self.repeated += self._text and elapsed == 0.0
@@ -274,8 +254,13 @@ class Timeline:
         ahead = self._text and step > 0
         if len(self._aside) < (CONFIRMED_AHEAD if ahead else CONFIRMED):
             return []
-        if ahead:
-            return self._believe_aside()
+        if ahead:  # of the rows after a gap none is left out
+            aside, self._aside = self._aside, []
+            return [
+                each
+                for _, at, row in aside
+                for each in self._believe(self._between(0, self._time, 0, at)[0], at, row)
+            ]
         self._leave_aside()
         if not self._agree(step, elapsed):
             elapsed = (time - self._time) % WRAP  # the clock itself has jumped
@@ -284,8 +269,7 @@ class Timeline:
             self.restarted = True
             return []
         self.implausible -= 1  # the last of them is believed
-        self._accept(np.array([step]), [self._time + elapsed])
-        return [(payload, self._time)]
+        return self._believe(step, self._time + elapsed, payload)
 
     def _between(self, number: int, time: Any, to_number: int, to_time: Any) -> tuple[int, Any]:
         """Samples and time from one sample to another; below zero: the other is behind."""
@@ -303,29 +287,24 @@ class Timeline:
         slack = TOLERANCE * step * self._period + 2.0 * self._period
         return (elapsed > 0) & (abs(elapsed - step * self._period) <= slack)
 
+    def _believe(self, step: int, time: Any, payload: Any) -> list[tuple[Any, Any]]:
+        self._accept(np.array([step]), [time])
+        return [(payload, time)]
+
     def _accept(self, steps: np.ndarray, times: Any) -> None:
         """Counts samples that are believed, and the gaps before them."""
         for i in np.flatnonzero(steps > 1).tolist():
             if self._text and not self.accepted + i:
                 continue  # before the first of a text stream nothing is known to be missing
-            before, missing = (times[i - 1] if i else self._time), int(steps[i]) - 1
+            before = times[i - 1] if i else self._time
             before = before if self._text else max(before, 0)
-            self.lost += missing
-            self.gaps.append(
-                Gap(float(before / self._scale), float(times[i] / self._scale), missing)
-            )
+            self.lost += int(steps[i]) - 1
+            gap = Gap(float(before / self._scale), float(times[i] / self._scale), int(steps[i]) - 1)
+            self.gaps.append(gap)
         self._number += int(steps.sum())
         self._time = float(times[-1]) if self._text else int(times[-1])
         self.accepted += len(steps)
-        if not self._text:
-            self._at_once = LONGEST_STEP
-
-    def _believe_aside(self) -> list[tuple[Any, Any]]:
-        found, self._aside = self._aside, []
-        for _, time, _ in found:
-            step, _ = self._between(0, self._time, 0, time)
-            self._accept(np.array([step]), [time])
-        return [(payload, time) for _, time, payload in found]
+        self._at_once = 2 if self._text else LONGEST_STEP
 
     def _leave_aside(self) -> None:
         """Gives up the samples set aside."""
@@ -333,15 +312,9 @@ class Timeline:
         self._aside.clear()
 
 
-_WRAPS = (2.0**31, 2.0**32)
-
-
 def _unit(rate: float) -> str:
-    """The unit of times that rise by so many a second.
-
-    Raises:
-        InputError: it is none of them.
-    """
+    """The unit of times that rise by so many a second; InputError where it is none of them."""
+    rate = max(rate, 1e-9)
     unit = min(UNITS, key=lambda name: abs(math.log10(rate / UNITS[name])))
     if not 0.5 < rate / UNITS[unit] < 2.0:
         raise InputError(

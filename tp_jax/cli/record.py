@@ -98,13 +98,13 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def run_record(args: argparse.Namespace) -> None:
-    from tp_jax.acquisition.calibration import read_calibration
     from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name, unusable
     from tp_jax.acquisition.port import Port
     from tp_jax.acquisition.recorder import check, record, uninterrupted
     from tp_jax.acquisition.run_log import Settings
     from tp_jax.cli.live import live
     from tp_jax.cli.output import made_folder, ready, write_json
+    from tp_jax.recordings.calibration import read_calibration
 
     virtual = args.port == EMULATOR
     if not virtual:

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tp_jax.acquisition.calibration import PARAMETERS, Calibration, SensorCalibration, volts
 from tp_jax.errors import InputError
+from tp_jax.recordings.calibration import PARAMETERS, Calibration, SensorCalibration, volts
 from tp_jax.recordings.cells import number, split
 from tp_jax.recordings.faults import CampaignError, listed, nearest, shortened
 from tp_jax.recordings.lines import read_lines

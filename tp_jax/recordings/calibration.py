@@ -24,6 +24,7 @@ A calibration file:
     residual = 0.003                # V, optional
 """
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -232,6 +233,40 @@ def to_toml(calibration: Calibration) -> str:
             text.append(f"residual = {sensor.residual!r}")
         text.append("")
     return "\n".join(text)
+
+
+def calibration_entry(
+    calibration: Calibration, spans: Mapping[str, tuple[float, float]]
+) -> dict[str, Any]:
+    """The calibration in a recording's metadata, which `calibration_error` reads back.
+
+    Args:
+        calibration: of the rig.
+        spans: sensor -> least and largest angle [rad] recorded, where there are any yet.
+    """
+    entry: dict[str, Any] = {"source": calibration.source}
+    for name, sensor in calibration.sensors.items():
+        low, high = spans.get(name, (-0.25 * math.pi, 0.25 * math.pi))
+        if high - low >= math.pi and sensor.law != "line":
+            # a bridge repeats itself after half a turn: a ring that winds needs no more of it
+            low, high = -0.5 * math.pi, 0.5 * math.pi
+        angle = np.linspace(low, max(high, low + 1e-3), 25)  # of a body that never moved as well
+        error, modes = sensor.standard_error(angle), sensor.error_modes(angle)
+        entry[name] = {
+            "law": sensor.law,
+            **sensor.parameters,
+            "errors": sensor.errors,
+            "covariance": sensor.covariance,
+            "span": sensor.span,
+            "residual": sensor.residual,
+            "standard_error": {
+                "angle": angle,
+                "value": error,
+                "modes": modes[modes.any(axis=1)],
+                "largest": float(error.max()),
+            },
+        }
+    return entry
 
 
 def _sensor(file: Path, name: str, table: Mapping[str, Any]) -> SensorCalibration:
