@@ -230,7 +230,7 @@ def _mend(seen: bytes) -> str:
     """Shows a line of bytes that were not understood, and says what to do about them."""
     lines = [line for line in seen.replace(b"\r", b"\n").split(b"\n") if line.strip()]
     line = max(lines[1:-1] or lines or [b""], key=len)  # the outer ones may be parts of lines
-    text = repr(line[:_SHOWN])[2:-1]
+    text = repr(line)[2 : _SHOWN + 2].removesuffix("'")
     if line.isascii() and line.decode().replace("\t", " ").isprintable():
         return f'a line of it is "{text}"; print lines of t phi1 phi2 alone, as 0.004 0.1 -0.2.'
     return f'a part of it is "{text}"; give the rig\'s own --baud.'

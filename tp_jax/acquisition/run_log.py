@@ -96,19 +96,23 @@ class Recorded:
             "restarted": "the rig has restarted, and its run with it",
             "silent": "the rig fell silent",
         }.get(self.state)
+        lost, left_out = (self.metadata["samples"].get(n, 0) for n in ("lost", "implausible"))
+        few = self.rows < LEAST_WRITTEN * (self.rows + lost)
         if why is not None:
-            return (
+            told = (
                 f"The recording ended after {self.duration:.6g} s, since {why}; {self.path} keeps "
                 f"the {self.rows} samples until then."
             )
-        lost, left_out = (self.metadata["samples"].get(n, 0) for n in ("lost", "implausible"))
-        few = self.rows < LEAST_WRITTEN * (self.rows + lost)
-        if self.state == "complete" and (few or left_out > MOST_LEFT_OUT * (self.rows + left_out)):
-            return (
-                f"{self.path} is not what was asked for: it has {self.rows} samples, {left_out} "
-                f"more were left out and {lost} lost; see to the rig and record again."
+        elif self.state == "complete" and (
+            few or left_out > MOST_LEFT_OUT * (self.rows + left_out)
+        ):
+            told = (
+                f"{self.path} is not what was asked for: it has {self.rows} samples of the run, "
+                f"and {lost} are lost."
             )
-        return None
+        else:
+            return None
+        return " ".join([told, *self.metadata.get("notes", [])])
 
 
 class RunLog:

@@ -175,7 +175,7 @@ class Timeline:
             kept += [np.concatenate([[at], readings]) for readings, at in believed]
             if believed and wrap:
                 self._shift += wrap
-                self.wraps.append(float(kept[-1][0]))
+                self.wraps.append(believed[0][1])
         return np.array(kept).reshape(len(kept), rows.shape[1])
 
     def rest(self) -> np.ndarray | None:
@@ -186,8 +186,9 @@ class Timeline:
         if self.period is not None:
             return self.feed_rows(rows)
         rows, self._looked_at = np.array(self._looked_at), []
-        rising = np.concatenate([[True], np.diff(np.maximum.accumulate(rows[:, 0])) > 0.0])
+        rising = np.diff(np.maximum.accumulate(rows[:, 0]), prepend=-np.inf) > 0.0
         self.accepted += int(rising.sum())
+        self._drop(rows[:, 0], ~rising)
         return rows[rising]
 
     def seconds(self, printed: Any) -> Any:
@@ -202,8 +203,7 @@ class Timeline:
         rising = steps[steps > 0.0]
         if len(rows) < LEARNT_FROM or rising.size < LEARNT_FROM // 2:
             if len(rows) >= MOST_LOOKED_AT:
-                self.implausible += len(rows)
-                self.repeated += int((steps == 0.0).sum())
+                self._drop(rows[:, 0], np.full(len(rows), True))
                 self._looked_at = []
             return rows[:0]
         period = float(np.median(rising))
@@ -220,6 +220,11 @@ class Timeline:
         ok = np.flatnonzero((steps > 0.0) & (steps <= NEXT * period))
         self._time = float(self.seconds(rows[ok[0] if ok.size else 0, 0])) - self.period
         return rows
+
+    def _drop(self, t: np.ndarray, dropped: np.ndarray) -> None:
+        """Counts rows that are left out before the period is known."""
+        self.implausible += int(dropped.sum())
+        self.repeated += int((dropped & (np.diff(t, prepend=np.nan) == 0.0)).sum())
 
     def _wrap(self, t: float) -> float:
         """Seconds by which a counter that has wrapped is behind; 0 where none has."""

@@ -186,6 +186,8 @@ def summary(recorded: "Recorded") -> str:
     for sensor, n in samples["clipped"].items():
         if n:
             lines.append(f"{n} readings of {sensor} lie at the end of the converter's range")
+    if recorded.fault is None:  # which says it as well
+        lines += meta["notes"]
     return "\n".join(lines)
 
 
