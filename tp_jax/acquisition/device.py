@@ -2,7 +2,7 @@
 
 import itertools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -97,30 +97,24 @@ class Device:
             )
 
     def calibration(self, given: Calibration | None, patience: float) -> Calibration:
-        """The calibration of a rig that speaks the protocol: given, else announced, else nominal.
+        """The calibration of the sensors: given, else announced, else nominal; of text: none.
 
         Raises:
             InputError: a sensor has no calibration, or one that needs a bridge that is not wired.
         """
         identity = self.identity
-        assert identity is not None
-        wired = {n: i for i, n in enumerate(_BRIDGES, 1) if identity.wired & _BRIDGES[n][0]}
+        if identity is None:
+            bits = protocol.SINE1 | (protocol.SINE2 if self.text.columns == 3 else 0)
+        else:
+            bits = identity.wired
+        wired = {n: i for i, (n, (sine, _)) in enumerate(_BRIDGES.items(), 1) if bits & sine}
         if "phi1" not in wired:
             raise InputError("The rig has no sine bridge on the column wired; connect it.")
         if given is not None:
-            for name in wired:
-                sensor = given.sensors.get(name)
-                if sensor is None:
-                    raise InputError(
-                        f"The calibration {given.source} has no [{name}], which the rig has; add "
-                        "it."
-                    )
-                if sensor.needs_cosine and not identity.wired & _BRIDGES[name][1]:
-                    raise InputError(
-                        f"The calibration {given.source} of {name} needs the cosine bridge, which "
-                        'the rig has not wired; use the law "sine" or wire it.'
-                    )
-            return Calibration({n: given.sensors[n] for n in wired}, given.source)
+            sensors = _checked(given, wired, bits, "stream" if identity is None else "rig")
+            return Calibration(sensors, given.source)
+        if identity is None:
+            return Calibration()  # its numbers are angles
         # the line may have lost a part of what was announced with the identity
         if identity.calibrated and not set(wired.values()) <= set(self._announced):
             command = Command(protocol.IDENTIFY, next(self._tags))
@@ -163,7 +157,8 @@ class Device:
                 f"The rig at {self.port.name} does not answer the command {name}; restart it."
             )
         if ack.status != protocol.OK:
-            what = (*protocol.STATUS, *["refuses"] * 256)[ack.status]
+            known = ack.status < len(protocol.STATUS)
+            what = protocol.STATUS[ack.status] if known else "refuses"
             asked = " ".join([name, *(f"{v:g}" for v in values)])
             raise InputError(
                 f"The rig at {self.port.name} {what}: {asked}; ask for what it can do."
@@ -234,6 +229,29 @@ def _mend(seen: bytes) -> str:
     if line.isascii() and line.decode().replace("\t", " ").isprintable():
         return f'a line of it is "{text}"; print lines of t phi1 phi2 alone, as 0.004 0.1 -0.2.'
     return f'a part of it is "{text}"; give the rig\'s own --baud.'
+
+
+def _checked(
+    given: Calibration, names: Iterable[str], bits: int, whose: str
+) -> dict[str, SensorCalibration]:
+    """The sensors' calibrations out of those given; `bits` says which bridges there are."""
+    for name in names:
+        if name not in given.sensors:
+            raise InputError(
+                f"The calibration {given.source} has no [{name}], which the {whose} has; add it."
+            )
+        if not given.sensors[name].needs_cosine or bits & _BRIDGES[name][1]:
+            continue
+        if whose == "rig":
+            raise InputError(
+                f"The calibration {given.source} of {name} needs the cosine bridge, which the rig "
+                'has not wired; use the law "sine" or wire it.'
+            )
+        raise InputError(
+            f"The calibration of {name} needs the cosine bridge, but a text stream has one column "
+            'for a sensor; use the law "sine" or "line".'
+        )
+    return {name: given.sensors[name] for name in names}
 
 
 def _announced(told: Announced) -> SensorCalibration:

@@ -96,7 +96,8 @@ class Port:
 
     def _open(self) -> Any:  # pySerial's classes differ by system
         # the lock keeps a second recorder from taking half of the bytes
-        lock = {"exclusive": True} if os.name == "posix" and "://" not in self.name else {}
+        own = os.name == "posix" and "://" not in self.name
+        lock: dict[str, Any] = {"exclusive": True} if own else {}
         return serial.serial_for_url(
             self.name, baudrate=self.baud, timeout=0.05, write_timeout=2.0, **lock
         )

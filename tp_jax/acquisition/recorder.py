@@ -24,7 +24,6 @@ from tp_jax.acquisition.run_log import Progress, Recorded, RunLog, Settings, met
 from tp_jax.acquisition.streams import Stream
 from tp_jax.acquisition.writer import already_there, scale_time
 from tp_jax.errors import InputError
-from tp_jax.recordings.calibration import Calibration
 
 _LOG = logging.getLogger(__name__)
 
@@ -141,13 +140,13 @@ class _Recorder:
             self._loop()
         except KeyboardInterrupt:
             log.state = "interrupted"
-        except OSError as fault:  # of the file: those of the port are `Unplugged`
+        except BaseException as fault:
             log.state = "failed"
-            raise InputError(
-                f"Cannot write {self.path}: {fault.strerror}; it keeps what was written until then."
-            ) from fault
-        except BaseException:
-            log.state = "failed"
+            if isinstance(fault, OSError):  # of the file: those of the port are `Unplugged`
+                raise InputError(
+                    f"Cannot write {self.path}: {fault.strerror}; it keeps what was written until "
+                    "then."
+                ) from fault
             raise
         finally:
             with uninterrupted():
@@ -162,31 +161,29 @@ class _Recorder:
 
     def _begin(self) -> Stream:
         """Starts the run."""
-        wanted, identity = self.settings, self.device.identity
-        if identity is None:
-            given = wanted.calibration or Calibration()
-            return Stream(self.device, given, real_time=wanted.real_time)
-        if identity.running:  # what another recorder left
-            self.device.command(protocol.STOP)
+        wanted, identity, tell = self.settings, self.device.identity, self.device.command
+        if identity is not None and identity.running:  # another recorder left it so
+            tell(protocol.STOP)
         calibration = self.device.calibration(wanted.calibration, wanted.patience)
+        if identity is None:
+            return Stream(self.device, calibration, real_time=wanted.real_time)
         if wanted.omega and not identity.drives:
             raise InputError(
                 f"The rig at {self.port.name} has no motor to command; record without --omega."
             )
-        if identity.drives and wanted.release is None:
-            ack = self.device.command(protocol.DRIVE, wanted.omega or 0.0, wanted.amplitude or 0.0)
-            if wanted.omega:
-                self.omega = ack.value / 1e6
-        self.device.samples.clear()
-        if wanted.release is None:
-            return Stream(self.device, calibration, self.device.command(protocol.START))
-        if abs(wanted.release) >= LARGEST_RELEASE:
+        if wanted.release is not None and abs(wanted.release) >= LARGEST_RELEASE:
             raise InputError(
                 f"The column cannot be let go at {wanted.release:g} rad: its sensor repeats itself "
                 "after half a turn; give an angle within ±1.57."
             )
-        begun = self.device.command(protocol.RELEASE, wanted.release)
-        return Stream(self.device, calibration, begun)
+        if identity.drives and wanted.release is None:
+            ack = tell(protocol.DRIVE, wanted.omega or 0.0, wanted.amplitude or 0.0)
+            if wanted.omega:
+                self.omega = ack.value / 1e6
+        self.device.samples.clear()
+        if wanted.release is None:
+            return Stream(self.device, calibration, tell(protocol.START))
+        return Stream(self.device, calibration, tell(protocol.RELEASE, wanted.release))
 
     def _loop(self) -> None:
         log, patience = self.log, self.settings.patience
@@ -208,9 +205,8 @@ class _Recorder:
                 log.state = "restarted"
             elif log.state == "recording" and time.monotonic() - heard > patience:
                 # once: a rig that answers and sends no samples will not send any
-                log.state = "silent"
-                if self.stream.kind == "frames" and not asked:
-                    self._ask_after()
+                if asked or not self._heard_again():
+                    log.state = "silent"
                 heard, asked = time.monotonic(), True
             self._show()
 
@@ -219,7 +215,7 @@ class _Recorder:
             self.log.take(rows)
 
     def _goes_on(self, patience: float) -> bool:
-        """Whether the rig, asked anew, is in the same run; takes what it sent meanwhile.
+        """Whether the rig, asked anew, is in the same run; takes the samples it sent meanwhile.
 
         Raises:
             InputError: it does not answer.
@@ -234,17 +230,17 @@ class _Recorder:
         self._take_pending()
         return True
 
-    def _ask_after(self) -> None:
-        """Silence, though the port is there: a cable is out further on, or the rig has stopped."""
+    def _heard_again(self) -> bool:
+        """Asks after a rig that is silent: a cable is out further on, or it has stopped."""
+        if self.stream.kind == "text":
+            return False
         self.log.next_gap("silent")
-        self.log.state = "recording"
         try:
-            if not self._goes_on(self.settings.reconnect):
-                self.log.state = "silent"
+            return self._goes_on(self.settings.reconnect)
         except InputError:
-            self.log.state = "silent"
+            return False
         except Unplugged:
-            pass  # seen when the port is read
+            return True  # seen when the port is read
 
     def _wait_for_the_rig(self) -> None:
         """Waits until it is plugged in again, or for as long as one may wait."""
@@ -270,34 +266,25 @@ class _Recorder:
 
     def _end(self) -> None:
         """Stops the rig and closes the file, whatever happened."""
-        log = self.log
-        if self.stream.kind == "text" and log.state in ("complete", "interrupted", "silent"):
-            rest = self.stream.rest()
-            if rest is not None:
-                state = log.state
-                log.take(rest)
-                log.state = state
-        if log.state != "unplugged":
+        log, state = self.log, self.log.state
+        rest = self.stream.rest() if state in ("complete", "interrupted", "silent") else None
+        if rest is not None:
+            log.take(rest)
+            log.state = state
+        if state != "unplugged":
             with suppress(Unplugged):
                 self.device.stop()
         log.close()
 
     def _finished(self) -> Recorded:
-        """Corrects the clock and writes down what there is to say."""
-        log, identity = self.log, self.device.identity
+        """Corrects the clock and writes down all there is to say."""
+        log, identity, omega = self.log, self.device.identity, self.omega
         fit = log.clock()
         factor = correction(fit)
         if factor != 1.0:
             scale_time(self.path, factor)
-        omega = self.omega
         if omega and identity is not None and identity.drives:
             omega /= factor
         metadata = log.save(omega, fit, factor)
-        return Recorded(
-            path=self.path,
-            state=log.state,
-            omega=omega or None,
-            forced=bool(omega),
-            duration=log.duration * factor,
-            metadata=metadata,
-        )
+        length = log.duration * factor
+        return Recorded(self.path, log.state, omega or None, bool(omega), length, metadata)

@@ -9,7 +9,6 @@ from tp_jax.acquisition.parser import Batch
 from tp_jax.acquisition.protocol import FULL_SCALE, Ack
 from tp_jax.acquisition.timeline import Timeline
 from tp_jax.acquisition.unwrap import Unwrapper
-from tp_jax.errors import InputError
 from tp_jax.recordings.calibration import Calibration
 
 
@@ -58,7 +57,6 @@ class Stream:
         if begun is None or self.identity is None:
             self.kind, self.parser, self.timeline = "text", device.text, Timeline()
             self.names = ("t", "phi1", "phi2")[: device.text.columns or 3]
-            _check_text(self.names, calibration)
         else:
             self.kind, self.parser = "frames", device.frames
             self.names = ("t", *calibration.sensors)
@@ -162,19 +160,3 @@ class Stream:
             for name, sensor in self.calibration.sensors.items()
         ]
         return np.column_stack([t, *angles])
-
-
-def _check_text(names: tuple[str, ...], calibration: Calibration) -> None:
-    """Faults a calibration that a stream of one column for a sensor cannot have."""
-    missing = [n for n in names[1:] if calibration.sensors and n not in calibration.sensors]
-    if missing:
-        raise InputError(
-            f"The calibration {calibration.source} has no [{missing[0]}], which the stream has; "
-            "add it."
-        )
-    for name, sensor in calibration.sensors.items():
-        if sensor.needs_cosine:
-            raise InputError(
-                f"The calibration of {name} needs the cosine bridge, but a text stream has one "
-                'column for a sensor; use the law "sine" or "line".'
-            )

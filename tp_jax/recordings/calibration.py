@@ -144,9 +144,9 @@ class SensorCalibration:
         # the angle read is that of arctan2, the foot of the perpendicular on the unit circle: there
         # both bridges have the same gain
         scale = np.array([1.0, self.values[1] / self.values[3] if self.needs_cosine else 1.0])
-        by_angle = scale * volts(self.law, self.values, angle + _STEP * 1j).imag / _STEP
+        by_angle = scale * np.imag(volts(self.law, self.values, angle + _STEP * 1j)) / _STEP
         moved = [volts(self.law, self.values + _STEP * 1j * unit, angle) for unit in np.eye(p)]
-        by_parameters = scale * np.array([each.imag / _STEP for each in moved])
+        by_parameters = scale * np.imag(moved) / _STEP
         # reading = V(θ, p): an error of p moves the angle read by −(V_θ⁺) V_p
         weight = np.sum(by_angle**2, axis=1)
         known = weight > (1e-6 * self.values[1]) ** 2
