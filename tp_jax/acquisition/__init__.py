@@ -1,15 +1,14 @@
 """From a rig at a serial port to a recording: the protocol, the recorder, the calibration.
 
     frames -> protocol -> parser        the bytes of frames or lines of text, damaged or not
-    timeline, clock                     when samples were taken, which are missing; whose clock
-    calibration, unwrap                 volts to angles, with their errors, beyond a half turn
-    calibration_run                     a calibration from readings at known angles
-    port -> device -> streams           who is there, what it is told, and the rows it sends
-    writer, run_log -> recorder         the file, what is known of it, and the run itself
-    campaign_entry                      a recording's place in a campaign.toml
+    port -> device                      who is there, and what it is told
+    timeline -> streams                 when samples were taken, which are missing; their angles
+    writer, clock -> run_log            the file, and all that is known of it
+    recorder                            the run itself
+    campaign_entry                      its place in a campaign.toml
 
-NumPy, pySerial and cobs only, so that recording starts at once; SciPy where a calibration is
-fitted. firmware/ holds sketches of what a rig has to send.
+`recordings.calibration` makes angles of volts. NumPy, pySerial and cobs only, so that recording
+starts at once. firmware/ holds sketches of what a rig has to send.
 """
 
 from tp_jax.acquisition.clock import ClockFit as ClockFit

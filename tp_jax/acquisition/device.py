@@ -2,14 +2,14 @@
 
 import itertools
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from tp_jax.acquisition import protocol
 from tp_jax.acquisition.frames import END
-from tp_jax.acquisition.parser import Batch, FrameParser, TextParser
+from tp_jax.acquisition.parser import FrameParser, TextParser
 from tp_jax.acquisition.port import Port
 from tp_jax.acquisition.protocol import Ack, Announced, Command, Identity, Message
 from tp_jax.errors import InputError
@@ -29,24 +29,19 @@ class Device:
     """Speaks with the rig.
 
     Attributes:
-        port: the port.
-        frames: the parser of its frames.
-        text: the parser of its lines.
         identity: who answered; None before `identify`, and where the stream is text.
-        samples: (batch, arrival) of the samples that came while an answer was waited for.
-        rows: (rows, arrival) of text, likewise.
+        text: the parser that told that it is.
+        heard: (bytes, arrival) that came while an answer was waited for.
     """
 
     def __init__(self, port: Port) -> None:
         self.port = port
-        self.frames = FrameParser()
         self.text = TextParser()
         self.identity: Identity | None = None
-        self.samples: list[tuple[Batch, float]] = []
-        self.rows: list[tuple[np.ndarray, float]] = []
+        self.heard: list[tuple[bytes, float]] = []
+        self._frames = FrameParser()
         self._announced: dict[int, Announced] = {}
         self._messages: tuple[Message, ...] = ()  # of the last bytes
-        self._seen = b""  # the last bytes, until somebody is understood
         # from a number that differs from run to run: the rig takes a command with the tag of the
         # last one for a repetition of it
         self._tags = itertools.cycle(range(1, 256))
@@ -64,7 +59,7 @@ class Device:
             Unplugged: the port has gone.
         """
         name, before = self.port.name, self.port.received
-        self.identity, self._seen = None, b""
+        self.identity = None
         tag = next(self._tags)
 
         def answered() -> bool:
@@ -81,7 +76,7 @@ class Device:
                 )
             raise InputError(
                 f"What came from {name} at {self.port.baud} baud, {came} bytes, is neither frames "
-                f"nor lines of numbers; {_mend(self._seen)}"
+                f"nor lines of numbers; {_shown(b''.join(data for data, _ in self.heard[-9:]))}"
             )
         if self.identity is None:
             return
@@ -111,11 +106,12 @@ class Device:
         if "phi1" not in wired:
             raise InputError("The rig has no sine bridge on the column wired; connect it.")
         if given is not None:
-            sensors = _checked(given, wired, bits, "stream" if identity is None else "rig")
-            return Calibration(sensors, given.source)
+            for name in wired:
+                self._check(given, name, bool(bits & _BRIDGES[name][1]))
+            return Calibration({name: given.sensors[name] for name in wired}, given.source)
         if identity is None:
             return Calibration()  # its numbers are angles
-        # the line may have lost a part of what was announced with the identity
+        # the line may have lost a part of the announcements that came with the identity
         if identity.calibrated and not set(wired.values()) <= set(self._announced):
             command = Command(protocol.IDENTIFY, next(self._tags))
             self._ask(command, lambda: set(wired.values()) <= set(self._announced), patience)
@@ -126,27 +122,20 @@ class Device:
                 sensors[name] = _announced(told)
                 sources.add("announced by the rig")
             else:
-                cosine = bool(identity.wired & _BRIDGES[name][1])
-                sensors[name] = nominal(identity.reference, cosine)
+                sensors[name] = nominal(identity.reference, bool(bits & _BRIDGES[name][1]))
                 sources.add("nominal, to be replaced by a calibration of this rig")
         return Calibration(sensors, "; ".join(sorted(sources)))
 
     def command(self, kind: int, *values: float, patience: float = 5.0) -> Ack:
-        """Has a command carried out.
-
-        Args:
-            kind: of the protocol's commands.
-            *values: in SI units.
-            patience: seconds.
+        """Has one of the protocol's commands carried out, with values in SI units.
 
         Raises:
             InputError: the rig refuses, or does not answer.
             Unplugged: the port has gone.
         """
         name = protocol.COMMANDS[kind]
-        content = Command(kind, next(self._tags), tuple(protocol.micro(v) for v in values))
         try:
-            ack = self._acknowledged(content, patience)
+            ack = self._acknowledged(kind, values, patience)
         except ValueError:
             largest = max(values, key=abs)
             raise InputError(
@@ -168,16 +157,16 @@ class Device:
     def stop(self) -> None:
         """Tells the rig to stop; an answer is not waited for long."""
         if self.identity is not None:
-            self._acknowledged(Command(protocol.STOP, next(self._tags)), 1.0)
+            self._acknowledged(protocol.STOP, (), 1.0)
 
     def forget(self) -> None:
         """Forgets all that came so far, and what had begun to: the line was interrupted."""
-        self.frames.clear()
+        self._frames.clear()
         self.text.clear()
-        self.samples.clear()
-        self.rows.clear()
+        self.heard.clear()
 
-    def _acknowledged(self, content: Command, patience: float) -> Ack | None:
+    def _acknowledged(self, kind: int, values: tuple[float, ...], patience: float) -> Ack | None:
+        content = Command(kind, next(self._tags), tuple(protocol.micro(v) for v in values))
         found: list[Ack] = []
 
         def answered() -> bool:
@@ -200,58 +189,46 @@ class Device:
         return False
 
     def _take(self) -> None:
-        """Reads once; keeps what the recording may want."""
+        """Reads once; keeps the bytes, in which the recording may begin."""
         data, arrival = self.port.read(0.05)
-        self._messages = ()
-        if not data:
-            return
-        batch = self.frames.feed(data)
-        self._messages = batch.messages
-        for message in batch.messages:
+        if data:
+            self.heard.append((data, arrival))
+        self._messages = self._frames.feed(data).messages
+        for message in self._messages:
             if isinstance(message, Identity):
                 self.identity = replace(message, name=message.name.strip("\0 \r\n"))
             elif isinstance(message, Announced):
                 self._announced[message.sensor] = message
-        if batch.samples.size:
-            self.samples.append((batch, arrival))
-        if self.identity is None and not self.frames.good:
-            self._seen = (self._seen + data)[-4 * _SHOWN :]
-            rows = self.text.feed(data)
-            if len(rows):
-                self.rows.append((rows, arrival))
+        if self.identity is None and not self._frames.good:
+            self.text.feed(data)
 
-
-def _mend(seen: bytes) -> str:
-    """Shows a line of bytes that were not understood, and says what to do about them."""
-    lines = [line for line in seen.replace(b"\r", b"\n").split(b"\n") if line.strip()]
-    line = max(lines[1:-1] or lines or [b""], key=len)  # the outer ones may be parts of lines
-    text = repr(line)[2 : _SHOWN + 2].removesuffix("'")
-    if line.isascii() and line.decode().replace("\t", " ").isprintable():
-        return f'a line of it is "{text}"; print lines of t phi1 phi2 alone, as 0.004 0.1 -0.2.'
-    return f'a part of it is "{text}"; give the rig\'s own --baud.'
-
-
-def _checked(
-    given: Calibration, names: Iterable[str], bits: int, whose: str
-) -> dict[str, SensorCalibration]:
-    """The sensors' calibrations out of those given; `bits` says which bridges there are."""
-    for name in names:
+    def _check(self, given: Calibration, name: str, cosine: bool) -> None:
+        """Faults a calibration without this sensor, or for a bridge that is not there."""
         if name not in given.sensors:
+            whose = "stream" if self.identity is None else "rig"
             raise InputError(
                 f"The calibration {given.source} has no [{name}], which the {whose} has; add it."
             )
-        if not given.sensors[name].needs_cosine or bits & _BRIDGES[name][1]:
-            continue
-        if whose == "rig":
+        if given.sensors[name].needs_cosine and not cosine:
+            if self.identity is None:
+                raise InputError(
+                    f"The calibration of {name} needs the cosine bridge, but a text stream has one "
+                    'column for a sensor; use the law "sine" or "line".'
+                )
             raise InputError(
                 f"The calibration {given.source} of {name} needs the cosine bridge, which the rig "
                 'has not wired; use the law "sine" or wire it.'
             )
-        raise InputError(
-            f"The calibration of {name} needs the cosine bridge, but a text stream has one column "
-            'for a sensor; use the law "sine" or "line".'
-        )
-    return {name: given.sensors[name] for name in names}
+
+
+def _shown(data: bytes) -> str:
+    """Shows a line of bytes that were not understood, and says what to do about them."""
+    lines = [line for line in data.replace(b"\r", b"\n").split(b"\n") if line.strip()]
+    line = max(lines[1:-1] or lines, key=len, default=b"")  # the outer ones may be parts of lines
+    text = repr(line)[2 : _SHOWN + 2].removesuffix("'")
+    if line.isascii() and line.decode().replace("\t", " ").isprintable():
+        return f'a line of it is "{text}"; print lines of t phi1 phi2 alone, as 0.004 0.1 -0.2.'
+    return f'a part of it is "{text}"; give the rig\'s own --baud.'
 
 
 def _announced(told: Announced) -> SensorCalibration:

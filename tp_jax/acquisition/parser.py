@@ -1,9 +1,9 @@
 """Bytes from the line to samples, messages and rows, whatever the line did to them.
 
-A text stream has `t phi1 phi2` on a line, as a terminal shows it. Columns are separated by white
-space, commas or semicolons; angles in radians, or volts where a calibration is given. Two columns
-are a single pendulum's. No checksum protects a line, so a damaged digit passes for a number: the
-frames of `protocol` are the better choice wherever the line is not beyond doubt.
+A text stream has `t phi1 phi2` on a line, separated by white space, commas or semicolons; angles in
+radians, or volts where a calibration is given. Two columns are a single pendulum's. No checksum
+protects a line, so a damaged digit passes for a number: frames are the better choice wherever the
+line is not beyond doubt.
 """
 
 from dataclasses import dataclass
@@ -14,17 +14,12 @@ from tp_jax.acquisition import frames, protocol
 from tp_jax.acquisition.protocol import SAMPLE, SAMPLE_FRAME, Message
 
 LONGEST_PIECE = 4 * frames.LONGEST
-"""Bytes without an end after which they are given up: no frame is as long."""
-
 LONGEST_LINE = 256
-"""Bytes without a line end after which they are given up."""
+"""Bytes without an end after which they are given up: no frame and no line is as long."""
 
-LARGEST = 5e6
-"""A time [s] above this is none: a digit was lost on the way, or the decimal point. A counter of
-32 bits of milliseconds goes up to 4.3e6 s."""
-
-LARGEST_COUNT = 2**53
-"""A time without a decimal point may be a counter's, of milliseconds or microseconds."""
+LARGEST, LARGEST_COUNT = 5e6, 2**53
+"""A time [s] above this has lost a digit on the way, or its decimal point. A counter of 32 bits of
+milliseconds goes up to 4.3e6 s; without a decimal point it may be of microseconds."""
 
 LARGEST_READING = 1e4
 """A reading above this, in rad or volts, is none: 1,600 turns of a ring."""
@@ -35,50 +30,54 @@ _SEPARATORS = bytes.maketrans(b",;\t", b"   ")
 
 @dataclass(frozen=True)
 class Batch:
-    """The content of some bytes.
+    """The frames in some bytes."""
+
+    samples: np.ndarray  # (n,) of `SAMPLE_FRAME`, in the order they came
+    messages: tuple[Message, ...] = ()  # all others
+    sharp: bool = False  # the first frame is the first of `samples`: the arrival is its own
+
+
+class _Parser:
+    """Takes the bytes as they come, in pieces of any length; never raises.
 
     Attributes:
-        samples: (n,) of `SAMPLE_FRAME`, in the order they came.
-        messages: all others.
-        sharp: whether the first frame that was completed is the first of `samples`, so that the
-            arrival of the bytes is its own.
-    """
-
-    samples: np.ndarray
-    messages: tuple[Message, ...] = ()
-    sharp: bool = False
-
-
-class FrameParser:
-    """Takes the bytes of frames as they come, in pieces of any length; never raises.
-
-    Attributes:
-        good: frames that passed.
-        corrupt: pieces between two ends that were no frame. A damaged frame is one such piece,
-            two that lost the end between them are one as well, and one that got a zero in its
-            midst is two: samples lost are counted by their sequence numbers (`timeline`).
+        good: frames that passed, or lines of numbers.
+        corrupt: pieces between two ends that were neither. A damaged frame is one such piece, two
+            that lost the end between them are one as well, and one that got a zero in its midst
+            is two: samples lost are counted by `timeline`.
         unknown: frames that passed and are of no kind known to this version.
     """
+
+    end, longest = frames.END, LONGEST_PIECE
+    amidst = False  # whether the first piece may have begun before its first byte
 
     def __init__(self) -> None:
         self.good = self.corrupt = self.unknown = 0
         self.clear()
 
+    def clear(self) -> None:
+        """Forgets a piece begun: the line was interrupted."""
+        self._rest, self._skip_first = b"", self.amidst
+
+    def _pieces(self, data: bytes) -> list[bytes]:
+        *pieces, rest = (self._rest + data).split(self.end)
+        if self._skip_first and pieces:
+            del pieces[0]
+            self._skip_first = False
+        if len(rest) > self.longest:
+            self.corrupt += not self._skip_first
+            self._skip_first, rest = True, b""
+        self._rest = rest
+        return pieces
+
+
+class FrameParser(_Parser):
+    """Frames out of bytes."""
+
     def feed(self, data: bytes) -> Batch:
         """The frames that these bytes complete."""
-        *pieces, rest = (self._rest + data).split(frames.END)
-        if self._lost_begin and pieces:
-            self.corrupt += 1
-            self._lost_begin = False
-            del pieces[0]  # the end of what was given up
-        if len(rest) > LONGEST_PIECE:
-            self._lost_begin, rest = True, b""
-        self._rest = rest
-
         samples, messages, sharp = [], [], False
-        pieces = [
-            piece for piece in pieces if piece
-        ]  # a sender may clear the line by ends in a row
+        pieces = [piece for piece in self._pieces(data) if piece]  # ends in a row clear the line
         for i, piece in enumerate(pieces):
             frame = frames.decode(piece)
             if frame is None:
@@ -94,40 +93,22 @@ class FrameParser:
         array = np.frombuffer(b"".join(samples), dtype=SAMPLE_FRAME) if samples else _NONE
         return Batch(array, tuple(messages), sharp)
 
-    def clear(self) -> None:
-        """Forgets a frame begun: the line was interrupted."""
-        self._rest = b""
-        self._lost_begin = False
 
-
-class TextParser:
-    """Takes the bytes of lines as they come, in pieces of any length; never raises.
+class TextParser(_Parser):
+    """Lines of numbers out of bytes. Blank lines and those that begin with `#` do not count.
 
     Attributes:
         columns: 3, or 2 for a single pendulum; None until a line has told.
-        good: lines of numbers.
-        corrupt: lines of anything else; blank ones and those that begin with `#` do not count.
         sharp: whether the first line that the last bytes completed is the first of its rows.
     """
 
-    unknown = 0
-
-    def __init__(self) -> None:
-        self.columns: int | None = None
-        self.good = self.corrupt = 0
-        self.sharp = False
-        self.clear()
+    end, longest, amidst = b"\n", LONGEST_LINE, True
+    columns: int | None = None
+    sharp = False
 
     def feed(self, data: bytes) -> np.ndarray:
         """(n, columns) numbers of the lines that these bytes complete; (0, 0) before the first."""
-        *lines, rest = (self._rest + data).replace(b"\r", b"\n").split(b"\n")
-        if len(rest) > LONGEST_LINE:
-            self._skip_first, rest = True, b""
-            self.corrupt += 1
-        self._rest = rest
-        if self._skip_first and lines:
-            del lines[0]  # begun before we listened
-            self._skip_first = False
+        lines = self._pieces(data.replace(b"\r", b"\n"))
         rows = []
         self.sharp = bool(lines) and numbers(lines[0]) is not None
         for line in lines:
@@ -139,11 +120,6 @@ class TextParser:
                 self.corrupt += bool(line.strip()) and not line.lstrip().startswith(b"#")
         self.good += len(rows)
         return np.array(rows, dtype=float).reshape(len(rows), self.columns or 0)
-
-    def clear(self) -> None:
-        """Forgets a line begun: the next bytes start somewhere inside another."""
-        self._rest = b""
-        self._skip_first = True
 
 
 def numbers(line: bytes) -> list[float] | None:

@@ -180,7 +180,7 @@ class _Recorder:
             ack = tell(protocol.DRIVE, wanted.omega or 0.0, wanted.amplitude or 0.0)
             if wanted.omega:
                 self.omega = ack.value / 1e6
-        self.device.samples.clear()
+        self.device.heard.clear()
         if wanted.release is None:
             return Stream(self.device, calibration, tell(protocol.START))
         return Stream(self.device, calibration, tell(protocol.RELEASE, wanted.release))
@@ -222,7 +222,7 @@ class _Recorder:
             Unplugged: the port has gone.
         """
         self.device.forget()
-        self.stream.timeline.interrupted()
+        self.stream.interrupted()
         if self.stream.kind == "frames":
             self.device.identify(patience)
         if not self.stream.same_run():

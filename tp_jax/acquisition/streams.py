@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tp_jax.acquisition.device import Device
-from tp_jax.acquisition.parser import Batch
+from tp_jax.acquisition.parser import Batch, FrameParser, TextParser
 from tp_jax.acquisition.protocol import FULL_SCALE, Ack
 from tp_jax.acquisition.timeline import Timeline
-from tp_jax.acquisition.unwrap import Unwrapper
 from tp_jax.recordings.calibration import Calibration
+from tp_jax.recordings.unwrap import Unwrapper
 
 
 @dataclass(frozen=True)
@@ -21,13 +21,12 @@ class Rows:
 
 
 class Stream:
-    """The samples of one run, of frames or of text.
+    """The samples of one run.
 
     Attributes:
         kind: "frames" or "text".
         names: of the columns.
-        timeline: of the samples.
-        parser: of the bytes.
+        parser, timeline: of the bytes and of the samples.
         identity: the rig's; None: text.
         calibration: of each sensor; of none where a text stream is angles.
         clipped: sensor -> readings at an end of the ADC's range.
@@ -43,8 +42,8 @@ class Stream:
         """
         Args:
             device: identified.
-            calibration: of each sensor, or of a text stream where it is volts.
-            begun: the rig's answer to START or RELEASE; None: a text stream.
+            calibration: of its sensors.
+            begun: its answer to START or RELEASE; None: a text stream.
             real_time: whether the rig's clock is meant to run as the host's.
         """
         self.device, self.calibration, self.begun = device, calibration, begun
@@ -54,11 +53,12 @@ class Stream:
         self._unwrappers = {
             n: Unwrapper(s.law, winds=n != "phi1") for n, s in calibration.sensors.items()
         }
+        self.parser: TextParser | FrameParser
         if begun is None or self.identity is None:
-            self.kind, self.parser, self.timeline = "text", device.text, Timeline()
+            self.kind, self.parser, self.timeline = "text", TextParser(), Timeline()
             self.names = ("t", "phi1", "phi2")[: device.text.columns or 3]
         else:
-            self.kind, self.parser = "frames", device.frames
+            self.kind, self.parser = "frames", FrameParser()
             self.names = ("t", *calibration.sensors)
             self.timeline = Timeline(1.0 / self.identity.rate, begun.time)
             self._volts = self.identity.reference / FULL_SCALE
@@ -96,24 +96,31 @@ class Stream:
         return notes
 
     def pending(self) -> list[Rows]:
-        """The rows that came while the stream was understood or an answer was waited for."""
-        device = self.device
-        if self.kind == "text":
-            texts, device.rows = device.rows, []
-            return [self._of_text(*each) for each in texts]
-        batches, device.samples = device.samples, []
-        return [self._of_frames(*each) for each in batches]
+        """The rows that came while the rig was identified or its answer was waited for."""
+        heard, self.device.heard = self.device.heard, []
+        return [self.feed(*each) for each in heard]
 
     def feed(self, data: bytes, arrival: float) -> Rows:
         """The rows that some bytes complete."""
-        if self.kind == "text":
-            return self._of_text(self.device.text.feed(data), arrival)
-        return self._of_frames(self.device.frames.feed(data), arrival)
+        if isinstance(self.parser, FrameParser):
+            return self._of_frames(self.parser.feed(data), arrival)
+        rows = self.parser.feed(data)
+        believed = self.timeline.feed_rows(rows, arrival if self._real_time else None)
+        values = self._angles_of_text(believed)
+        # the arrival is not that of a row which was set aside earlier
+        own = self.parser.sharp and len(values) > 0
+        own = own and values[0, 0] == self.timeline.seconds(rows[0, 0])
+        return Rows(values, (float(values[0, 0]), arrival) if own else None)
 
     def rest(self) -> Rows | None:
         """Rows that were held back, at the end of a short stream of text."""
-        rows = self.timeline.rest() if self.kind == "text" else None
+        rows = self.timeline.rest()
         return None if rows is None else Rows(self._angles_of_text(rows))
+
+    def interrupted(self) -> None:
+        """Says that the line was."""
+        self.parser.clear()
+        self.timeline.interrupted()
 
     def same_run(self) -> bool:
         """Whether the rig, identified again, can have gone on; text tells by its times."""
@@ -137,15 +144,6 @@ class Stream:
             volts[name] = volts[name] * self._volts
         arrived = (float(t[0]), arrival) if sharp and kept[0] == 0 else None
         return Rows(self._angles(t, volts), arrived)
-
-    def _of_text(self, rows: np.ndarray, arrival: float) -> Rows:
-        believed = self.timeline.feed_rows(rows, arrival if self._real_time else None)
-        values = self._angles_of_text(believed)
-        if self.device.text.sharp and len(values):
-            first = float(values[0, 0])
-            if first == self.timeline.seconds(rows[0, 0]):  # none that was set aside earlier
-                return Rows(values, (first, arrival))
-        return Rows(values)
 
     def _angles_of_text(self, rows: np.ndarray) -> np.ndarray:
         if not self.calibration.sensors or not len(rows):

@@ -180,7 +180,7 @@ class Timeline:
 
     def rest(self) -> np.ndarray | None:
         """Rows held back while the period was not known, when the stream ends before it is."""
-        if self.period is not None or not self._looked_at:
+        if not self._looked_at:
             return None
         rows = self._learn(0.0)
         if self.period is not None:
