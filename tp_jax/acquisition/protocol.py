@@ -57,14 +57,10 @@ FULL_SCALE = 65535
 """Counts of a reading at the reference voltage."""
 
 SAMPLE_FRAME = np.dtype(
-    [
-        ("type", "u1"),
-        ("run", "u1"),
-        ("sequence", "<u4"),
-        ("time", "<u4"),
-        ("readings", "<u2", (4,)),
-        ("crc", "<u4"),
-    ]
+    {
+        "names": ["type", "run", "sequence", "time", "readings", "crc"],
+        "formats": ["u1", "u1", "<u4", "<u4", "(4,)<u2", "<u4"],
+    }
 )
 """A sample's body with its CRC."""
 

@@ -19,36 +19,19 @@ import numpy as np
 
 from tp_jax.errors import InputError
 
-WRAP = 1 << 32
-"""Of sequence numbers and times on the wire; the most samples that are counted as missing."""
+WRAP = 1 << 32  # of numbers and times on the wire; the most samples that are counted as missing
+LONGEST_STEP = 1000  # samples that may be missing at once before the next must be confirmed
+TOLERANCE = 0.2  # by how much the time between two samples may differ from the period announced
+BEHIND = 20  # samples behind the last up to which one is a repeated or a late one, no new begin
+CONFIRMED = 3  # samples that must follow from each other to be right against all that was before
+CONFIRMED_AHEAD = 2  # rows of text for the same after a gap
 
-LONGEST_STEP = 1000
-"""Samples that may be missing at once before the next must be confirmed."""
-
-TOLERANCE = 0.2
-"""By how much the time between two samples may differ from the period announced."""
-
-NEXT = 2.5
-"""Periods within which the next row of text is expected."""
-
-BEHIND = 20
-"""Samples behind the last up to which one is a repeated or a late one, and no new begin."""
-
-CONFIRMED, CONFIRMED_AHEAD = 3, 2
-"""Samples in a row that must follow from each other to be right; the latter rows after a gap."""
-
-LEARNT_FROM, MOST_LOOKED_AT = 8, 200
-"""Rows of text from which the period is learnt before the first is believed."""
-
+NEXT = 2.5  # periods within which the next row of text is expected
+LEARNT_FROM, MOST_LOOKED_AT = 8, 200  # rows of text from which the period is learnt
 UNITS = {"seconds": 1.0, "milliseconds": 1e3, "microseconds": 1e6}
-LISTENED = 0.5
-"""Seconds of the host's clock by which a unit is told."""
-
-COUNTERS = (2.0**31, 2.0**32)
-"""Counts after which counters wrap: 32 bits, with a sign or without; a few drop the highest bit."""
-
-WRAPPED_WITHIN = 10.0
-"""Seconds after a wrap within which the next row is looked for; a rig begins anew anywhere."""
+LISTENED = 0.5  # seconds of the host's clock by which a unit is told
+COUNTERS = 2.0**31, 2.0**32  # counts after which 32 bits wrap; a few drop the highest of them
+WRAPPED_WITHIN = 10.0  # seconds after a wrap within which the next row is looked for
 
 
 @dataclass(frozen=True)
@@ -131,7 +114,8 @@ class Timeline:
         follow = (steps >= 1) & (steps <= LONGEST_STEP) & self._agree(steps, elapsed)
         if follow.all() and not self._aside:
             times = self._time + np.cumsum(elapsed)
-            self._accept(steps, times)
+            for step, at in zip(steps.tolist(), times.tolist(), strict=True):
+                self._accept(step, at)
             return np.arange(number.size), times / 1e6
         pairs = enumerate(zip(number.tolist(), since.tolist(), strict=True))
         found = [each for i, pair in pairs for each in self._one(*pair, i)]
@@ -162,17 +146,12 @@ class Timeline:
             rows = self._learn(LISTENED)
             if self.period is None:
                 return rows
-        t = self.seconds(rows[:, 0])
-        elapsed = np.diff(t, prepend=self._time)
-        if not self._aside and elapsed.min() > 0.0 and elapsed.max() <= NEXT * self._period:
-            self._accept(np.maximum(np.rint(elapsed / self._period), 1.0).astype(int), t)
-            return np.column_stack([t, rows[:, 1:]])
         kept: list[np.ndarray] = []
         for row in rows:
-            time = float(self.seconds(row[0]))
+            time = self.seconds(float(row[0]))
             wrap = self._wrap(time)
             believed = self._one(0, round(time + wrap, 9) if wrap else time, row[1:])
-            kept += [np.concatenate([[at], readings]) for readings, at in believed]
+            kept += [np.array([at, *readings]) for readings, at in believed]
             if believed and wrap:
                 self._shift += wrap
                 self.wraps.append(believed[0][1])
@@ -191,10 +170,10 @@ class Timeline:
         self._drop(rows[:, 0], ~rising)
         return rows[rising]
 
-    def seconds(self, printed: Any) -> Any:
-        """Printed times in seconds, carried on over the wraps so far."""
+    def seconds(self, printed: float) -> float:
+        """A printed time in seconds, carried on over the wraps so far."""
         t = printed / UNITS[self.unit]
-        return np.round(t + self._shift, 9) if self._shift else t
+        return round(t + self._shift, 9) if self._shift else t
 
     def _learn(self, listened: float) -> np.ndarray:
         """Finds period and unit if it can; then returns the rows looked at, else none."""
@@ -218,7 +197,7 @@ class Timeline:
         self.period = self._period = period / UNITS[self.unit]
         # one period before the first row that the next one follows from
         ok = np.flatnonzero((steps > 0.0) & (steps <= NEXT * period))
-        self._time = float(self.seconds(rows[ok[0] if ok.size else 0, 0])) - self.period
+        self._time = self.seconds(float(rows[ok[0] if ok.size else 0, 0])) - self.period
         return rows
 
     def _drop(self, t: np.ndarray, dropped: np.ndarray) -> None:
@@ -245,7 +224,7 @@ class Timeline:
         step, elapsed = self._between(self._number, self._time, number, time)
         if 1 <= step <= self._at_once and self._agree(step, elapsed):
             self._leave_aside()
-            return self._believe(step, time if self._text else self._time + elapsed, payload)
+            return [(payload, self._accept(step, time if self._text else self._time + elapsed))]
         if -BEHIND <= step <= 0:
             self.implausible += 1
             self.repeated += self._text and elapsed == 0.0
@@ -262,9 +241,8 @@ class Timeline:
         if ahead:  # of the rows after a gap none is left out
             aside, self._aside = self._aside, []
             return [
-                each
+                (row, self._accept(self._between(0, self._time, 0, at)[0], at))
                 for _, at, row in aside
-                for each in self._believe(self._between(0, self._time, 0, at)[0], at, row)
             ]
         self._leave_aside()
         if not self._agree(step, elapsed):
@@ -274,7 +252,7 @@ class Timeline:
             self.restarted = True
             return []
         self.implausible -= 1  # the last of them is believed
-        return self._believe(step, self._time + elapsed, payload)
+        return [(payload, self._accept(step, self._time + elapsed))]
 
     def _between(self, number: int, time: Any, to_number: int, to_time: Any) -> tuple[int, Any]:
         """Samples and time from one sample to another; below zero: the other is behind."""
@@ -292,24 +270,19 @@ class Timeline:
         slack = TOLERANCE * step * self._period + 2.0 * self._period
         return (elapsed > 0) & (abs(elapsed - step * self._period) <= slack)
 
-    def _believe(self, step: int, time: Any, payload: Any) -> list[tuple[Any, Any]]:
-        self._accept(np.array([step]), [time])
-        return [(payload, time)]
-
-    def _accept(self, steps: np.ndarray, times: Any) -> None:
-        """Counts samples that are believed, and the gaps before them."""
-        for i in np.flatnonzero(steps > 1).tolist():
-            if self._text and not self.accepted + i:
-                continue  # before the first of a text stream nothing is known to be missing
-            before = times[i - 1] if i else self._time
-            before = before if self._text else max(before, 0)
-            self.lost += int(steps[i]) - 1
-            gap = Gap(float(before / self._scale), float(times[i] / self._scale), int(steps[i]) - 1)
-            self.gaps.append(gap)
-        self._number += int(steps.sum())
-        self._time = float(times[-1]) if self._text else int(times[-1])
-        self.accepted += len(steps)
-        self._at_once = 2 if self._text else LONGEST_STEP
+    def _accept(self, step: int, time: Any) -> Any:
+        """Counts a sample that is believed, and the gap before it; returns its time."""
+        # before the first of a text stream nothing is known to be missing
+        if step > 1 and (self.accepted or not self._text):
+            before = self._time if self._text else max(self._time, 0)
+            self.lost += step - 1
+            self.gaps.append(Gap(before / self._scale, time / self._scale, step - 1))
+        self._number += step
+        self._time = time
+        self.accepted += 1
+        if not self._text:
+            self._at_once = LONGEST_STEP
+        return time
 
     def _leave_aside(self) -> None:
         """Gives up the samples set aside."""
