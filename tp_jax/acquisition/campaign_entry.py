@@ -21,11 +21,7 @@ CAMPAIGN = "campaign.toml"
 
 
 def check_campaign(folder: Path) -> None:
-    """Sees before the recording that its entry can be appended.
-
-    Raises:
-        InputError: there is a campaign.toml that cannot take one.
-    """
+    """Sees before the recording that its entry can be appended; InputError where it cannot."""
     file = folder / CAMPAIGN
     if file.exists():
         _with_entry(file, _read(file), '[[recording]]\nfile = "x.csv"\n')
@@ -46,10 +42,7 @@ def free_name(folder: Path, omega: float | None) -> Path:
 
 
 def unusable(folder: Path, recorded: Recorded) -> str | None:
-    """Why a recording would spoil the campaign in the folder, in one sentence; None: it would not.
-
-    One without motion, say, would keep the whole campaign from being read.
-    """
+    """Why a recording would keep the folder's campaign from being read; None: it would not."""
     if recorded.rows < LEAST_SAMPLES:
         return f"It has {recorded.rows} samples, but {LEAST_SAMPLES} are needed; record for longer."
     file = folder / CAMPAIGN
@@ -68,11 +61,8 @@ def unusable(folder: Path, recorded: Recorded) -> str | None:
 def append_entry(folder: Path, recorded: Recorded) -> bool:
     """Appends a recording's entry to the folder's campaign.toml, or to a new one.
 
-    Returns:
-        Whether it was appended: a recording that is `unusable` is not.
-
-    Raises:
-        InputError: the campaign.toml cannot be read, written or appended to; the recording stays.
+    Returns whether it did: a recording that is `unusable` stays out. InputError where the file
+    cannot be read, written or appended to.
     """
     if unusable(folder, recorded) is not None:
         return False

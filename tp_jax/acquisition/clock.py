@@ -13,32 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-MOST_BLOCKS = 240
-LEAST_POINTS = 20
-LEAST_SPAN = 1.0
-"""Seconds of recording below which nothing is said of the skew."""
-
-_FOLDS = 10
+LEAST_POINTS, LEAST_SPAN = 20, 1.0  # arrivals and seconds below which nothing is said
+MOST_BLOCKS, _FOLDS = 240, 10
 
 
 @dataclass(frozen=True)
 class ClockFit:
-    """host time = offset + rig time / (1 + skew).
+    """host time = offset + rig time / (1 + skew), with standard errors."""
 
-    Attributes:
-        offset: host's clock at t = 0 of the rig's [s], the shortest delay included.
-        skew: relative rate of the rig's clock, 1e-6 is a part per million; above zero it is fast.
-        offset_error, skew_error: standard errors.
-        delay: median delay of the points beyond the shortest [s].
-        points: arrivals that were used.
-    """
-
-    offset: float
-    skew: float
+    offset: float  # host's clock at t = 0 of the rig's [s], the shortest delay included
+    skew: float  # relative rate of the rig's clock, above zero it is fast; 1e-6 is 1 ppm
     offset_error: float
     skew_error: float
-    delay: float
-    points: int
+    delay: float  # median delay of the points beyond the shortest [s]
+    points: int  # arrivals that were used
 
 
 def fit_clock(rig: ArrayLike, host: ArrayLike, poll: float = 0.0) -> ClockFit | None:

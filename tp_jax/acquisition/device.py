@@ -49,14 +49,9 @@ class Device:
             next(self._tags)
 
     def identify(self, patience: float) -> None:
-        """Finds out who is there: a rig that answers, or a stream of text.
+        """Finds out who is there, a rig that answers or a stream of text, or raises InputError.
 
-        Args:
-            patience: seconds; a board that restarts when its port is opened needs some two.
-
-        Raises:
-            InputError: nothing came, or nothing that could be understood.
-            Unplugged: the port has gone.
+        A board that restarts when its port is opened needs some two seconds of patience.
         """
         name, before = self.port.name, self.port.received
         self.identity = None
@@ -78,25 +73,19 @@ class Device:
                 f"What came from {name} at {self.port.baud} baud, {came} bytes, is neither frames "
                 f"nor lines of numbers; {_shown(b''.join(data for data, _ in self.heard[-9:]))}"
             )
-        if self.identity is None:
-            return
-        if not (self.identity.rate and self.identity.reference):
+        if self.identity is not None and not (self.identity.rate and self.identity.reference):
             raise InputError(
                 f"The rig at {name} announces a sample rate or a reference of 0; set both in its "
                 "firmware."
             )
-        if self.identity.protocol != protocol.VERSION:
+        if self.identity is not None and self.identity.protocol != protocol.VERSION:
             raise InputError(
                 f"The rig at {name} speaks version {self.identity.protocol} of the protocol, but "
                 f"this program speaks {protocol.VERSION}; update the older one."
             )
 
     def calibration(self, given: Calibration | None, patience: float) -> Calibration:
-        """The calibration of the sensors: given, else announced, else nominal; of text: none.
-
-        Raises:
-            InputError: a sensor has no calibration, or one that needs a bridge that is not wired.
-        """
+        """The calibration of the sensors: given, else announced, else nominal; of text: none."""
         identity = self.identity
         if identity is None:
             bits = protocol.SINE1 | (protocol.SINE2 if self.text.columns == 3 else 0)
@@ -127,12 +116,7 @@ class Device:
         return Calibration(sensors, "; ".join(sorted(sources)))
 
     def command(self, kind: int, *values: float, patience: float = 5.0) -> Ack:
-        """Has one of the protocol's commands carried out, with values in SI units.
-
-        Raises:
-            InputError: the rig refuses, or does not answer.
-            Unplugged: the port has gone.
-        """
+        """Has a command carried out, values in SI units; InputError where the rig does not."""
         name = protocol.COMMANDS[kind]
         try:
             ack = self._acknowledged(kind, values, patience)

@@ -13,10 +13,9 @@ from cobs import cobs
 END = b"\x00"
 CRC_BYTES = 4
 
+# Bytes of a body with its CRC above which COBS would need a second byte of overhead. No frame of
+# the protocol is longer, so that a firmware can do with one small buffer.
 LONGEST = 254
-"""Bytes of a body with its CRC above which COBS would need a second byte of overhead. No frame of
-the protocol is longer, so that a firmware can do with one small buffer."""
-
 _RESIDUE = 0x2144DF1C  # CRC-32 of any bytes followed by their own: one call checks a frame
 
 

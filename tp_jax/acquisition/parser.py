@@ -13,16 +13,12 @@ import numpy as np
 from tp_jax.acquisition import frames, protocol
 from tp_jax.acquisition.protocol import SAMPLE, SAMPLE_FRAME, Message
 
-LONGEST_PIECE = 4 * frames.LONGEST
-LONGEST_LINE = 256
-"""Bytes without an end after which they are given up: no frame and no line is as long."""
-
+# bytes without an end after which they are given up: no frame and no line is as long
+LONGEST_PIECE, LONGEST_LINE = 4 * frames.LONGEST, 256
+# A time [s] above this has lost a digit on the way, or its decimal point. A counter of 32 bits of
+# milliseconds goes up to 4.3e6 s; without a decimal point it may be of microseconds.
 LARGEST, LARGEST_COUNT = 5e6, 2**53
-"""A time [s] above this has lost a digit on the way, or its decimal point. A counter of 32 bits of
-milliseconds goes up to 4.3e6 s; without a decimal point it may be of microseconds."""
-
-LARGEST_READING = 1e4
-"""A reading above this, in rad or volts, is none: 1,600 turns of a ring."""
+LARGEST_READING = 1e4  # in rad or volts; 1,600 turns of a ring
 
 _NONE = np.empty(0, dtype=SAMPLE_FRAME)
 _SEPARATORS = bytes.maketrans(b",;\t", b"   ")

@@ -9,17 +9,15 @@ import serial
 
 from tp_jax.errors import InputError
 
-COLLECT = 0.03
-"""Seconds for which bytes are let come together before they are read: few wake-ups, little work."""
-
-_MANY = 1500
-"""Bytes at once from which on there is no waiting: the system's buffer holds a few thousand."""
+# Bytes are let come together for so many seconds before they are read: few wake-ups, little work.
+# After so many at once there is no waiting: the system's buffer holds a few thousand.
+COLLECT, _MANY = 0.03, 1500
 
 _FAULTS = (serial.SerialException, OSError)
 
 
 class Unplugged(Exception):
-    """The port has gone."""
+    """The port has gone: any reading or writing of it may say so."""
 
 
 class Port:
@@ -29,12 +27,9 @@ class Port:
         """Opens "/dev/ttyACM0", "COM3", a link to one, or a URL that pySerial knows.
 
         Args:
-            name: of the port.
+            name: of the port; InputError where it cannot be opened.
             baud: bits per second.
             clock: the host's, [s].
-
-        Raises:
-            InputError: it cannot be opened.
         """
         self.name, self.baud, self.received = name, baud, 0
         self._clock = clock
@@ -50,11 +45,7 @@ class Port:
         return not os.path.realpath(self.name).startswith("/dev/pts/")
 
     def read(self, timeout: float) -> tuple[bytes, float]:
-        """The bytes that have come, waited for so long, and the host's clock at the first of them.
-
-        Raises:
-            Unplugged: the port has gone.
-        """
+        """The bytes that come within so many seconds, and the host's clock at the first of them."""
         try:
             if self._serial.timeout != timeout:
                 self._serial.timeout = timeout
@@ -72,7 +63,7 @@ class Port:
         return first + more, arrival
 
     def write(self, data: bytes) -> None:
-        """Sends bytes, or raises `Unplugged`."""
+        """Sends bytes."""
         try:
             self._serial.write(data)
         except _FAULTS as fault:

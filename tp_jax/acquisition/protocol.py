@@ -44,17 +44,11 @@ OK, UNKNOWN_COMMAND, BAD_VALUE, NOT_ABLE = range(4)
 STATUS = ("done", "does not know this command", "cannot do this value", "is not able to do this")
 
 BRIDGES = ("sine1", "cosine1", "sine2", "cosine2")
-SINE1, COSINE1, SINE2, COSINE2 = 1, 2, 4, 8
-"""Bits of `wired`."""
-
+SINE1, COSINE1, SINE2, COSINE2 = 1, 2, 4, 8  # bits of `wired`
+# bits of `flags`: a run is on; there is a motor to command; calibrations are announced
 RUNNING, DRIVES, CALIBRATED = 1, 2, 4
-"""Bits of `flags`: a run is on; there is a motor to command; calibrations are announced."""
-
-LAWS = ("line", "sine", "sine_cosine")
-"""By their number in a CALIBRATION; see `recordings.calibration`."""
-
-FULL_SCALE = 65535
-"""Counts of a reading at the reference voltage."""
+LAWS = ("line", "sine", "sine_cosine")  # of `recordings.calibration`, by number
+FULL_SCALE = 65535  # counts of a reading at the reference voltage
 
 SAMPLE_FRAME = np.dtype(
     {

@@ -74,11 +74,7 @@ def record(
 
 
 def check(path: Path, settings: Settings) -> None:
-    """Sees what can be seen before the port is opened.
-
-    Raises:
-        InputError: the settings contradict each other, or there is such a file already.
-    """
+    """Faults settings that contradict each other, and a file that is there already."""
     if settings.omega is not None and settings.release is not None:
         raise InputError("A run is driven or released, not both; give omega or release.")
     if not settings.duration > 0.0:
@@ -215,12 +211,7 @@ class _Recorder:
             self.log.take(rows)
 
     def _goes_on(self, patience: float) -> bool:
-        """Whether the rig, asked anew, is in the same run; takes the samples it sent meanwhile.
-
-        Raises:
-            InputError: it does not answer.
-            Unplugged: the port has gone.
-        """
+        """Whether the rig, asked anew, is in the same run; takes the samples it sent meanwhile."""
         self.device.forget()
         self.stream.interrupted()
         if self.stream.kind == "frames":
@@ -234,7 +225,7 @@ class _Recorder:
         """Asks after a rig that is silent: a cable is out further on, or it has stopped."""
         if self.stream.kind == "text":
             return False
-        self.log.next_gap("silent")
+        self.log.cause = "silent"
         try:
             return self._goes_on(self.settings.reconnect)
         except InputError:
@@ -245,7 +236,7 @@ class _Recorder:
     def _wait_for_the_rig(self) -> None:
         """Waits until it is plugged in again, or for as long as one may wait."""
         deadline = time.monotonic() + self.settings.reconnect
-        self.log.next_gap("unplugged")
+        self.log.cause = "unplugged"
         while time.monotonic() < deadline:
             self._show(unplugged=True)
             if not self.port.reopen():

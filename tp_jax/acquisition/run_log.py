@@ -122,11 +122,13 @@ class RunLog:
         state: "recording", and in the end how it ended.
         written: samples in the file.
         duration: from the first to the last of them [s], on the rig's clock.
+        cause: of the next gap; None: samples were lost on the way.
     """
 
     def __init__(self, path: Path, port: Port, stream: Stream, settings: Settings) -> None:
         self.path, self.port, self.stream, self.settings = path, port, stream, settings
         self.state, self.written, self.duration = "recording", 0, 0.0
+        self.cause: str | None = None
         self._writer: CsvWriter | None = None
         # the clock of a text stream need not begin with the recording
         self._begin = 0.0 if stream.kind == "frames" else None
@@ -138,7 +140,6 @@ class RunLog:
         self._rig, self._host = array("d"), array("d")
         self._gaps: list[dict[str, Any]] = []
         self._gaps_not_listed = 0
-        self._cause: str | None = None  # of the next gap
         self._lost_at_end = 0  # samples of gaps that reach beyond the run's end
         self._saved = 0.0
         self._recent: deque[np.ndarray] = deque()
@@ -151,7 +152,13 @@ class RunLog:
         if not len(values):
             return
         if rows.arrival is not None:
-            self._arrived(*rows.arrival)
+            t, host = rows.arrival
+            real_time = self.settings.real_time
+            if real_time:
+                self._rig.append(t)
+                self._host.append(host)
+            if self._started is None:
+                self._started = time.time() - (t if real_time else 0.0)
         self.note_gaps()
         if self._begin is None:
             self._begin = float(values[0, 0])
@@ -163,23 +170,19 @@ class RunLog:
         if values[-1, 0] >= end - 0.25 * period:
             self.state = "complete"
 
-    def next_gap(self, cause: str) -> None:
-        """Says that the next gap is that of a port that had gone, or of a rig not heard."""
-        self._cause = cause
-
     def note_gaps(self) -> None:
         """Notes the gaps that the timeline has found."""
         for gap in self.stream.timeline.take_gaps():
             begin = gap.after if self._begin is None else self._begin
             if gap.before > begin + self.settings.duration:
                 self._lost_at_end += gap.samples
-            if gap.before - gap.after < LISTED_FROM and self._cause is None:
+            if gap.before - gap.after < LISTED_FROM and self.cause is None:
                 continue
-            if len(self._gaps) >= MOST_LISTED:
+            if len(self._gaps) < MOST_LISTED:
+                self._gaps.append({**asdict(gap), "cause": self.cause or "lost"})
+                self.cause = None
+            else:
                 self._gaps_not_listed += 1
-                continue
-            self._gaps.append({**asdict(gap), "cause": self._cause or "lost"})
-            self._cause = None
 
     def status(self, unplugged: bool) -> Status:
         """The state of things for somebody who looks on."""
@@ -215,13 +218,7 @@ class RunLog:
     def save(
         self, omega: float | None, fit: ClockFit | None = None, factor: float = 1.0
     ) -> dict[str, Any]:
-        """Writes the metadata; returns them.
-
-        Args:
-            omega: of the drive [rad/s], on the time column.
-            fit: of the rig's clock.
-            factor: by which the times in the file were multiplied.
-        """
+        """Writes the metadata, times multiplied by the factor as in the file; returns them."""
         stream, settings, identity = self.stream, self.settings, self.stream.identity
         ends = zip(stream.names, self._least.tolist(), self._largest.tolist(), strict=True)
         spans = {n: (low, high) for n, low, high in ends if n != "t" and self.written}
@@ -274,14 +271,6 @@ class RunLog:
             "version": __version__,
         }
         return write_metadata(self.path, content)
-
-    def _arrived(self, t: float, host: float) -> None:
-        """Notes that a sample of time t came at a time of the host's clock."""
-        if self.settings.real_time:
-            self._rig.append(t)
-            self._host.append(host)
-        if self._started is None:
-            self._started = time.time() - (t if self.settings.real_time else 0.0)
 
     def _write(self, values: np.ndarray) -> None:
         if self._writer is None:

@@ -27,7 +27,7 @@ CONFIRMED = 3  # samples that must follow from each other to be right against al
 CONFIRMED_AHEAD = 2  # rows of text for the same after a gap
 
 NEXT = 2.5  # periods within which the next row of text is expected
-LEARNT_FROM, MOST_LOOKED_AT = 8, 200  # rows of text from which the period is learnt
+LEARNT_FROM, MOST_LOOKED_AT = 8, 2000  # rows of text from which the period is learnt
 UNITS = {"seconds": 1.0, "milliseconds": 1e3, "microseconds": 1e6}
 LISTENED = 0.5  # seconds of the host's clock by which a unit is told
 COUNTERS = 2.0**31, 2.0**32  # counts after which 32 bits wrap; a few drop the highest of them
@@ -129,23 +129,17 @@ class Timeline:
 
         Args:
             rows: as they came.
-            host: the host's clock [s] at that; None: the times are seconds.
+            host: the host's clock [s] at that; None: the times are seconds. InputError where it
+                tells that they are in no unit.
 
         Returns:
             (m, columns) rows that are believed, earlier ones that were set aside among them, with
             the time [s] first.
-
-        Raises:
-            InputError: the times are in no unit that could be told.
         """
-        if self.restarted or not len(rows):
-            return rows[:0]
-        if self.period is None:
+        if self.period is None and len(rows):
             self._looked_at += list(rows)
             self._listened[1:] = [] if host is None else [(host, len(self._looked_at))]
-            rows = self._learn(LISTENED)
-            if self.period is None:
-                return rows
+            rows = self._learn(last=len(self._looked_at) >= MOST_LOOKED_AT)
         kept: list[np.ndarray] = []
         for row in rows:
             time = self.seconds(float(row[0]))
@@ -159,51 +153,36 @@ class Timeline:
 
     def rest(self) -> np.ndarray | None:
         """Rows held back while the period was not known, when the stream ends before it is."""
-        if not self._looked_at:
-            return None
-        rows = self._learn(0.0)
-        if self.period is not None:
-            return self.feed_rows(rows)
-        rows, self._looked_at = np.array(self._looked_at), []
-        rising = np.diff(np.maximum.accumulate(rows[:, 0]), prepend=-np.inf) > 0.0
-        self.accepted += int(rising.sum())
-        self._drop(rows[:, 0], ~rising)
-        return rows[rising]
+        return self.feed_rows(self._learn(last=True)) if self._looked_at else None
 
     def seconds(self, printed: float) -> float:
         """A printed time in seconds, carried on over the wraps so far."""
         t = printed / UNITS[self.unit]
         return round(t + self._shift, 9) if self._shift else t
 
-    def _learn(self, listened: float) -> np.ndarray:
-        """Finds period and unit if it can; then returns the rows looked at, else none."""
+    def _learn(self, last: bool) -> np.ndarray:
+        """Finds period and unit if it can or has to; returns the rows looked at then, else none."""
         rows = np.array(self._looked_at)
         steps = np.diff(rows[:, 0])
         rising = steps[steps > 0.0]
-        if len(rows) < LEARNT_FROM or rising.size < LEARNT_FROM // 2:
-            if len(rows) >= MOST_LOOKED_AT:
-                self._drop(rows[:, 0], np.full(len(rows), True))
-                self._looked_at = []
+        if not last and (len(rows) < LEARNT_FROM or rising.size < LEARNT_FROM // 2):
             return rows[:0]
-        period = float(np.median(rising))
+        period = float(np.median(rising)) if rising.size else 1.0
         # Nobody samples a pendulum once a second or slower, but a counter of milliseconds looks so.
         # The rows of the first bytes may have waited in a buffer, so they are not counted.
         if period >= 1.0 and self._listened:
             (begin, first), (end, _) = self._listened[0], self._listened[-1]
-            if end - begin <= listened:
+            counted = period * int((steps[first - 1 :] > 0.0).sum())
+            if end - begin > (0.0 if last else LISTENED) and counted:
+                self.unit = _unit(counted / (end - begin))
+            elif not last:
                 return rows[:0]
-            self.unit = _unit(period * int((steps[first - 1 :] > 0.0).sum()) / (end - begin))
         self._looked_at = []
         self.period = self._period = period / UNITS[self.unit]
         # one period before the first row that the next one follows from
         ok = np.flatnonzero((steps > 0.0) & (steps <= NEXT * period))
         self._time = self.seconds(float(rows[ok[0] if ok.size else 0, 0])) - self.period
         return rows
-
-    def _drop(self, t: np.ndarray, dropped: np.ndarray) -> None:
-        """Counts rows that are left out before the period is known."""
-        self.implausible += int(dropped.sum())
-        self.repeated += int((dropped & (np.diff(t, prepend=np.nan) == 0.0)).sum())
 
     def _wrap(self, t: float) -> float:
         """Seconds by which a counter that has wrapped is behind; 0 where none has."""
@@ -292,7 +271,6 @@ class Timeline:
 
 def _unit(rate: float) -> str:
     """The unit of times that rise by so many a second; InputError where it is none of them."""
-    rate = max(rate, 1e-9)
     unit = min(UNITS, key=lambda name: abs(math.log10(rate / UNITS[name])))
     if not 0.5 < rate / UNITS[unit] < 2.0:
         raise InputError(

@@ -15,19 +15,14 @@ import numpy as np
 from tp_jax._files import replaced
 from tp_jax.errors import InputError
 
-SYNC_PERIOD = 1.0
-"""Seconds between two requests to put the file on the disk."""
+SYNC_PERIOD = 1.0  # seconds between two requests to put the file on the disk
 
 
 class CsvWriter:
     """Appends rows to a new file of the contract's format, 17 significant digits; counts `rows`."""
 
     def __init__(self, path: Path, names: Sequence[str]) -> None:
-        """Makes the file and writes the header.
-
-        Raises:
-            InputError: there is such a file already, or the place refuses one.
-        """
+        """Makes the file, or raises InputError, and writes the header."""
         self.rows = 0
         self._line = ",".join(["%.17g"] * len(names)) + "\n"
         try:
