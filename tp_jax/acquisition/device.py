@@ -26,19 +26,13 @@ _BRIDGES = {"phi1": (protocol.SINE1, protocol.COSINE1), "phi2": (protocol.SINE2,
 
 
 class Device:
-    """Speaks with the rig.
-
-    Attributes:
-        identity: who answered; None before `identify`, and where the stream is text.
-        text: the parser that told that it is.
-        heard: (bytes, arrival) that came while an answer was waited for.
-    """
+    """Speaks with the rig."""
 
     def __init__(self, port: Port) -> None:
         self.port = port
-        self.text = TextParser()
-        self.identity: Identity | None = None
-        self.heard: list[tuple[bytes, float]] = []
+        self.identity: Identity | None = None  # None before `identify`, and where it is text
+        self.text = TextParser()  # which tells that it is
+        self.heard: list[tuple[bytes, float]] = []  # with arrival, while an answer was waited for
         self._frames = FrameParser()
         self._announced: dict[int, Announced] = {}
         self._messages: tuple[Message, ...] = ()  # of the last bytes

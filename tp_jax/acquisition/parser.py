@@ -34,21 +34,17 @@ class Batch:
 
 
 class _Parser:
-    """Takes the bytes as they come, in pieces of any length; never raises.
-
-    Attributes:
-        good: frames that passed, or lines of numbers.
-        corrupt: pieces between two ends that were neither. A damaged frame is one such piece, two
-            that lost the end between them are one as well, and one that got a zero in its midst
-            is two: samples lost are counted by `timeline`.
-        unknown: frames that passed and are of no kind known to this version.
-    """
+    """Takes the bytes as they come, in pieces of any length; never raises."""
 
     end, longest = frames.END, LONGEST_PIECE
     amidst = False  # whether the first piece may have begun before its first byte
 
     def __init__(self) -> None:
-        self.good = self.corrupt = self.unknown = 0
+        self.good = 0  # frames that passed, or lines of numbers
+        # Pieces that were neither. Two frames that lost the end between them are one, a frame that
+        # got a zero in its midst is two: samples lost are counted by `timeline`.
+        self.corrupt = 0
+        self.unknown = 0  # frames that passed and are of no kind known to this version
         self.clear()
 
     def clear(self) -> None:
@@ -91,16 +87,11 @@ class FrameParser(_Parser):
 
 
 class TextParser(_Parser):
-    """Lines of numbers out of bytes. Blank lines and those that begin with `#` do not count.
-
-    Attributes:
-        columns: 3, or 2 for a single pendulum; None until a line has told.
-        sharp: whether the first line that the last bytes completed is the first of its rows.
-    """
+    """Lines of numbers out of bytes. Blank lines and those that begin with `#` do not count."""
 
     end, longest, amidst = b"\n", LONGEST_LINE, True
-    columns: int | None = None
-    sharp = False
+    columns: int | None = None  # 3, or 2 for a single pendulum; None until a line has told
+    sharp = False  # the first line of the last bytes is the first of their rows
 
     def feed(self, data: bytes) -> np.ndarray:
         """(n, columns) numbers of the lines that these bytes complete; (0, 0) before the first."""

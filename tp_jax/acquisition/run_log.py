@@ -8,7 +8,6 @@ import json
 import os
 import time
 from array import array
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -116,19 +115,14 @@ class Recorded:
 
 
 class RunLog:
-    """Writes the samples of one run, and notes all there is to say about them.
-
-    Attributes:
-        state: "recording", and in the end how it ended.
-        written: samples in the file.
-        duration: from the first to the last of them [s], on the rig's clock.
-        cause: of the next gap; None: samples were lost on the way.
-    """
+    """Writes the samples of one run, and notes all there is to say about them."""
 
     def __init__(self, path: Path, port: Port, stream: Stream, settings: Settings) -> None:
         self.path, self.port, self.stream, self.settings = path, port, stream, settings
-        self.state, self.written, self.duration = "recording", 0, 0.0
-        self.cause: str | None = None
+        self.state = "recording"  # and in the end how it ended
+        self.written = 0  # samples in the file
+        self.duration = 0.0  # from the first to the last of them [s], on the rig's clock
+        self.cause: str | None = None  # of the next gap; None: samples were lost on the way
         self._writer: CsvWriter | None = None
         # the clock of a text stream need not begin with the recording
         self._begin = 0.0 if stream.kind == "frames" else None
@@ -142,7 +136,7 @@ class RunLog:
         self._gaps_not_listed = 0
         self._lost_at_end = 0  # samples of gaps that reach beyond the run's end
         self._saved = 0.0
-        self._recent: deque[np.ndarray] = deque()
+        self._recent = np.empty((0, len(stream.names)))
         self._rate: float | None = None
         self._counted = (0.0, 0)
 
@@ -190,7 +184,7 @@ class RunLog:
         if now - since > 1.0:
             self._rate = (self.written - before) / (now - since) if since else None
             self._counted = (now, self.written)
-        names, timeline = self.stream.names, self.stream.timeline
+        timeline = self.stream.timeline
         return Status(
             t=max(timeline.last or 0.0, 0.0),
             duration=self.settings.duration,
@@ -199,8 +193,8 @@ class RunLog:
             lost=timeline.lost,
             corrupt=self.stream.parser.corrupt,
             unplugged=unplugged,
-            names=names,
-            recent=np.concatenate([np.empty((0, len(names))), *self._recent]),
+            names=self.stream.names,
+            recent=self._recent,
         )
 
     def clock(self) -> ClockFit | None:
@@ -281,9 +275,7 @@ class RunLog:
         self.duration = float(values[-1, 0]) - self._first
         self._least = np.minimum(self._least, values.min(axis=0))
         self._largest = np.maximum(self._largest, values.max(axis=0))
-        self._recent.append(values)
-        while sum(map(len, self._recent)) > _PLOT_SAMPLES:
-            self._recent.popleft()
+        self._recent = np.concatenate([self._recent, values])[-_PLOT_SAMPLES:]
         if time.monotonic() - self._saved > _EVERY:
             self._saved = time.monotonic()
             self.save(self.settings.omega)

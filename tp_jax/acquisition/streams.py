@@ -21,16 +21,7 @@ class Rows:
 
 
 class Stream:
-    """The samples of one run.
-
-    Attributes:
-        kind: "frames" or "text".
-        names: of the columns.
-        parser, timeline: of the bytes and of the samples.
-        identity: the rig's; None: text.
-        calibration: of each sensor; of none where a text stream is angles.
-        clipped: sensor -> readings at an end of the ADC's range.
-    """
+    """The samples of one run, of the kind "frames" or "text"."""
 
     def __init__(
         self,
@@ -47,9 +38,11 @@ class Stream:
             real_time: whether the rig's clock is meant to run as the host's.
         """
         self.device, self.calibration, self.begun = device, calibration, begun
-        self.identity = device.identity
+        self.identity = device.identity  # None: text
         self._real_time = real_time
-        self.clipped = dict.fromkeys(calibration.sensors, 0)
+        self.clipped = dict.fromkeys(
+            calibration.sensors, 0
+        )  # readings at an end of the ADC's range
         self._unwrappers = {
             n: Unwrapper(s.law, winds=n != "phi1") for n, s in calibration.sensors.items()
         }

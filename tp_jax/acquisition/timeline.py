@@ -44,20 +44,7 @@ class Gap:
 
 
 class Timeline:
-    """Times of the samples of one run.
-
-    Attributes:
-        period: between samples [s]; None in a text stream until it is known.
-        accepted: samples so far.
-        lost: samples missing between those accepted, and, where they are numbered, before the
-            first of them.
-        implausible: samples set aside and never confirmed.
-        repeated: those of them that have the time of the one before.
-        gaps: found since they were last taken away.
-        restarted: the rig has begun anew; nothing more is accepted.
-        unit: of the times of a text stream.
-        wraps: times [s] at which the counter behind a text stream wrapped.
-    """
+    """Times of the samples of one run."""
 
     def __init__(self, period: float | None = None, begin: int = 0) -> None:
         """
@@ -65,12 +52,15 @@ class Timeline:
             period: between samples [s], as the rig announced it; None: a text stream.
             begin: time on the wire of sample 0 [µs].
         """
-        self.period = period
-        self.accepted = self.lost = self.implausible = self.repeated = 0
-        self.gaps: list[Gap] = []
-        self.restarted = False
-        self.unit = "seconds"
-        self.wraps: list[float] = []
+        self.period = period  # [s]; None in a text stream until it is known
+        self.accepted = 0  # samples
+        self.lost = 0  # between those, and, where they are numbered, before the first of them
+        self.implausible = 0  # set aside and never confirmed
+        self.repeated = 0  # those of them that have the time of the one before
+        self.gaps: list[Gap] = []  # found since they were last taken away
+        self.restarted = False  # the rig has begun anew; nothing more is accepted
+        self.unit = "seconds"  # of the times of a text stream
+        self.wraps: list[float] = []  # times [s] at which the counter behind them wrapped
         self._text = period is None
         # [µs] in whole numbers where the wire has them so, else [s], like all times in here
         self._scale = 1.0 if period is None else 1e6
