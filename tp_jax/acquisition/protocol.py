@@ -1,27 +1,7 @@
-"""The messages between a rig and its host, version 1.
+"""The messages between a rig and its host, version 1; firmware/README.md has them byte by byte.
 
-A message is the body of a frame (see `frames`). Its first byte says what it is. All numbers are
-little-endian; angles and frequencies cross the wire as whole micro-units, so that 13.09 rad/s
-means the same on either side. firmware/README.md says how the messages are used.
-
-From the rig:
-
-    SAMPLE      type u8 = 1, run u8, sequence u32, time u32 [µs], readings 4 × u16
-    IDENTITY    type u8 = 2, tag u8, protocol u8, wired u8, flags u8, run u8, adc_bits u8, 0 u8,
-                boot u32, rate u32 [mHz], reference u32 [µV], amplitude i32 [µrad], name UTF-8
-    CALIBRATION type u8 = 3, tag u8, sensor u8 (1, 2), law u8 (0 line, 1 sine, 2 sine_cosine),
-                values 5 × f32, standard errors 5 × f32: offset [V], gain [V/rad],
-                cosine_offset [V], cosine_gain [V/rad], zero [rad]
-    ACK         type u8 = 4, tag u8, command u8, status u8, run u8, 0 u8 × 3,
-                time u32 [µs], value i32
-
-From the host:
-
-    IDENTIFY    type u8 = 0x81, tag u8
-    DRIVE       type u8 = 0x82, tag u8, omega u32 [µrad/s], amplitude i32 [µrad], 0: as it is
-    START       type u8 = 0x83, tag u8
-    STOP        type u8 = 0x84, tag u8
-    RELEASE     type u8 = 0x85, tag u8, angle i32 [µrad]
+A message is the body of a frame (see `frames`). All numbers are little-endian; angles and
+frequencies cross the wire as whole micro-units, so that 13.09 rad/s means the same on either side.
 """
 
 import struct

@@ -11,7 +11,6 @@ anew by where it goes on, and may count milliseconds or microseconds, which is t
 clock.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +28,7 @@ CONFIRMED_AHEAD = 2  # rows of text for the same after a gap
 NEXT = 2.5  # periods within which the next row of text is expected
 LEARNT_FROM, MOST_LOOKED_AT = 8, 2000  # rows of text from which the period is learnt
 UNITS = {"seconds": 1.0, "milliseconds": 1e3, "microseconds": 1e6}
-LISTENED = 0.5  # seconds of the host's clock by which a unit is told
+LISTENED, MOST_LISTENED = 0.5, 3.0  # seconds of the host's clock by which a unit is told
 COUNTERS = 2.0**31, 2.0**32  # counts after which 32 bits wrap; a few drop the highest of them
 WRAPPED_WITHIN = 10.0  # seconds after a wrap within which the next row is looked for
 
@@ -162,11 +161,16 @@ class Timeline:
         # The rows of the first bytes may have waited in a buffer, so they are not counted.
         if period >= 1.0 and self._listened:
             (begin, first), (end, _) = self._listened[0], self._listened[-1]
-            counted = period * int((steps[first - 1 :] > 0.0).sum())
-            if end - begin > (0.0 if last else LISTENED) and counted:
-                self.unit = _unit(counted / (end - begin))
-            elif not last:
+            span, counted = end - begin, period * int((steps[first - 1 :] > 0.0).sum())
+            unit = _unit(counted / span) if span > (0.0 if last else LISTENED) else None
+            if unit is None and not last and span < MOST_LISTENED:
                 return rows[:0]
+            if unit is None and span > 0.0:
+                raise InputError(
+                    f"The first number of each line rises by {counted / span:.3g} in a second, "
+                    "which is no time in seconds, milliseconds or microseconds; print one of these."
+                )
+            self.unit = unit or self.unit
         self._looked_at = []
         self.period = self._period = period / UNITS[self.unit]
         # one period before the first row that the next one follows from
@@ -259,12 +263,6 @@ class Timeline:
         self._aside.clear()
 
 
-def _unit(rate: float) -> str:
-    """The unit of times that rise by so many a second; InputError where it is none of them."""
-    unit = min(UNITS, key=lambda name: abs(math.log10(rate / UNITS[name])))
-    if not 0.5 < rate / UNITS[unit] < 2.0:
-        raise InputError(
-            f"The first number of each line rises by {rate:.3g} in a second, which is no time in "
-            "seconds, milliseconds or microseconds; print one of these."
-        )
-    return unit
+def _unit(rate: float) -> str | None:
+    """The unit of times that rise by so many a second; None where it is none of them."""
+    return next((name for name, unit in UNITS.items() if 0.5 < rate / unit < 2.0), None)
