@@ -103,6 +103,16 @@ def test_rounded_times_are_no_recording(tmp_path, capsys):
     assert meta["samples"]["implausible"] == pytest.approx(1.5 * t.size, rel=0.1)
 
 
+def test_a_recording_with_much_left_out_stays_out_of_the_campaign(tmp_path, capsys):
+    folder = tmp_path / "rig"
+    with board(lambda t: printed(t, 2)) as port:
+        assert main(["record", "--port", port, "--duration", "1", "--campaign", str(folder)]) == 2
+    told = capsys.readouterr()
+    assert "Added" not in told.out
+    assert f"Not added to the campaign {folder}: Too much of it is missing" in told.err
+    assert [each.suffix for each in sorted(folder.iterdir())] == [".csv", ".json"]
+
+
 def test_a_board_that_restarts_does_not_wrap(tmp_path, capsys):
     out, begin = tmp_path / "run.csv", 4200.0
     code, t, told, fault = recorded(

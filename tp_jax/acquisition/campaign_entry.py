@@ -45,6 +45,8 @@ def unusable(folder: Path, recorded: Recorded) -> str | None:
     """Why a recording would keep the folder's campaign from being read; None: it would not."""
     if recorded.rows < LEAST_SAMPLES:
         return f"It has {recorded.rows} samples, but {LEAST_SAMPLES} are needed; record for longer."
+    if recorded.state == "complete" and recorded.fault is not None:
+        return "Too much of it is missing; see to the rig and record again."
     file = folder / CAMPAIGN
     try:
         rig = _toml(_read(file)).get("rig", {}) if file.exists() else {}

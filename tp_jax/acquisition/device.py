@@ -15,12 +15,10 @@ from tp_jax.acquisition.protocol import Ack, Announced, Command, Identity, Messa
 from tp_jax.errors import InputError
 from tp_jax.recordings.calibration import Calibration, SensorCalibration, nominal
 
-ANSWER_WITHIN = 0.4
-"""Seconds until a command is sent again: the answer, or the command, may have been damaged."""
-
-TEXT_LINES = 3
-"""Lines of numbers after which a stream is text."""
-
+# Seconds until a command is sent again, since the answer or the command may have been damaged, and
+# until it is given up.
+ANSWER_WITHIN, _OBEYED_WITHIN = 0.4, 5.0
+TEXT_LINES = 3  # lines of numbers after which a stream is text
 _SHOWN = 60  # characters of what came and could not be read
 _BRIDGES = {"phi1": (protocol.SINE1, protocol.COSINE1), "phi2": (protocol.SINE2, protocol.COSINE2)}
 
@@ -109,11 +107,11 @@ class Device:
                 sources.add("nominal, to be replaced by a calibration of this rig")
         return Calibration(sensors, "; ".join(sorted(sources)))
 
-    def command(self, kind: int, *values: float, patience: float = 5.0) -> Ack:
+    def command(self, kind: int, *values: float) -> Ack:
         """Has a command carried out, values in SI units; InputError where the rig does not."""
         name = protocol.COMMANDS[kind]
         try:
-            ack = self._acknowledged(kind, values, patience)
+            ack = self._acknowledged(kind, values, _OBEYED_WITHIN)
         except ValueError:
             largest = max(values, key=abs)
             raise InputError(

@@ -33,9 +33,7 @@ _LOG = logging.getLogger(__name__)
 SIGNIFICANT_SKEW, LARGEST_SKEW = 5e-5, 0.2
 SIGNIFICANT_ERRORS = 3.0
 
-LARGEST_RELEASE = 0.5 * np.pi
-"""rad; from further on the bridges cannot tell which turn a run began in."""
-
+LARGEST_RELEASE = 0.5 * np.pi  # rad; beyond, no bridge tells which turn a run began in
 _STATUS_PERIOD = 0.1
 
 
@@ -211,15 +209,12 @@ class _Recorder:
             self.log.take(rows)
 
     def _goes_on(self, patience: float) -> bool:
-        """Whether the rig, asked anew, is in the same run; takes the samples it sent meanwhile."""
+        """Whether the rig, asked anew after an interruption, is in the same run."""
         self.device.forget()
         self.stream.interrupted()
         if self.stream.kind == "frames":
             self.device.identify(patience)
-        if not self.stream.same_run():
-            return False
-        self._take_pending()
-        return True
+        return self.stream.same_run()
 
     def _heard_again(self) -> bool:
         """Asks after a rig that is silent: a cable is out further on, or it has stopped."""
@@ -227,11 +222,14 @@ class _Recorder:
             return False
         self.log.cause = "silent"
         try:
-            return self._goes_on(self.settings.reconnect)
+            goes_on = self._goes_on(self.settings.reconnect)
         except InputError:
             return False
         except Unplugged:
             return True  # seen when the port is read
+        if goes_on:
+            self._take_pending()
+        return goes_on
 
     def _wait_for_the_rig(self) -> None:
         """Waits until it is plugged in again, or for as long as one may wait."""
@@ -242,11 +240,15 @@ class _Recorder:
             if not self.port.reopen():
                 time.sleep(0.1)
                 continue
-            # bytes of another baud, while a board starts, are no answer: ask again
-            with suppress(Unplugged, InputError):
-                if not self._goes_on(self.settings.patience):
-                    self.log.state = "restarted"
-                return
+            try:
+                goes_on = self._goes_on(self.settings.patience)
+            except (Unplugged, InputError):
+                continue  # bytes of another baud, while a board starts, are no answer: ask again
+            if goes_on:
+                self._take_pending()
+            else:
+                self.log.state = "restarted"
+            return
         self.log.state = "unplugged"
 
     def _show(self, unplugged: bool = False) -> None:
