@@ -42,7 +42,7 @@ def free_name(folder: Path, omega: float | None) -> Path:
 
 
 def unusable(folder: Path, recorded: Recorded) -> str | None:
-    """Why a recording would keep the folder's campaign from being read; None: it would not."""
+    """The fault that keeps a recording out of the folder's campaign; None where it has none."""
     if recorded.rows < LEAST_SAMPLES:
         return f"It has {recorded.rows} samples, but {LEAST_SAMPLES} are needed; record for longer."
     if recorded.state == "complete" and recorded.fault is not None:

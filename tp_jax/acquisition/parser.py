@@ -37,7 +37,7 @@ class _Parser:
     """Takes the bytes as they come, in pieces of any length; never raises."""
 
     end, longest = frames.END, LONGEST_PIECE
-    amidst = False  # whether the first piece may have begun before its first byte
+    amidst = False  # True: the first piece may have begun before its first byte
 
     def __init__(self) -> None:
         self.good = 0  # frames that passed, or lines of numbers

@@ -41,7 +41,7 @@ class Port:
 
     @property
     def usb(self) -> bool:
-        """Whether a bus that is polled every millisecond lies between the rig and the host."""
+        """True where a bus that is polled every millisecond lies between the rig and the host."""
         return not os.path.realpath(self.name).startswith("/dev/pts/")
 
     def read(self, timeout: float) -> tuple[bytes, float]:

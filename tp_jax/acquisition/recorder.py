@@ -209,7 +209,7 @@ class _Recorder:
             self.log.take(rows)
 
     def _goes_on(self, patience: float) -> bool:
-        """Whether the rig, asked anew after an interruption, is in the same run."""
+        """Asks the rig anew after an interruption; says whether it is in the same run."""
         self.device.forget()
         self.stream.interrupted()
         if self.stream.kind == "frames":

@@ -49,7 +49,7 @@ class Settings:
     calibration: Calibration | None = None  # None: that which the rig announces, or nominal values
     patience: float = 5.0  # seconds in which a rig must answer, and may be silent
     reconnect: float = 30.0  # seconds in which an unplugged one must be back
-    real_time: bool = True  # whether the rig's clock is meant to run as the host's
+    real_time: bool = True  # the rig's clock is meant to run as the host's
     command: Sequence[str] = ()  # that asked for it, for the metadata
 
 
@@ -63,7 +63,7 @@ class Status:
     written: int  # samples
     lost: int  # samples
     corrupt: int  # frames or lines
-    unplugged: bool  # whether the rig is waited for
+    unplugged: bool  # the rig is waited for
     names: tuple[str, ...]  # of the columns
     recent: np.ndarray  # (n, columns) the last samples
 
@@ -78,7 +78,7 @@ class Recorded:
     path: Path
     state: str  # how it ended: complete, interrupted, unplugged, restarted or silent
     omega: float | None  # of the drive [rad/s], on the time column; None: it was not driven
-    forced: bool  # whether the motor ran
+    forced: bool  # the motor ran
     duration: float  # from the first to the last sample [s]
     metadata: dict[str, Any]  # as in the file beside it
 
@@ -89,7 +89,7 @@ class Recorded:
 
     @property
     def fault(self) -> str | None:
-        """Why it is not as asked for, in one sentence; None where it is, or was interrupted."""
+        """The reason why it is not as asked for; None where it is, or where Ctrl-C ended it."""
         why = {
             "unplugged": "the rig was unplugged and did not come back",
             "restarted": "the rig has restarted, and its run with it",

@@ -116,7 +116,7 @@ class Stream:
         self.timeline.interrupted()
 
     def same_run(self) -> bool:
-        """Whether the rig, identified again, can have gone on; text tells by its times."""
+        """True where the rig, identified again, can have gone on; text tells by its times."""
         now, before = self.device.identity, self.identity
         if self.begun is None or before is None or now is None:
             return self.kind == "text"

@@ -239,7 +239,7 @@ class Timeline:
         return step, elapsed + WRAP * round((step * self._period - elapsed) / WRAP)
 
     def _agree(self, step: Any, elapsed: Any) -> Any:
-        """Whether steps (n,) took (n,) times, or one step took one."""
+        """True where so many steps took so long, numbers or (n,) arrays of them."""
         slack = TOLERANCE * step * self._period + 2.0 * self._period
         return (elapsed > 0) & (abs(elapsed - step * self._period) <= slack)
 

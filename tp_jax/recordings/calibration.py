@@ -102,7 +102,7 @@ class SensorCalibration:
 
     @property
     def needs_cosine(self) -> bool:
-        """Whether the cosine bridge must be wired."""
+        """True where the cosine bridge must be wired."""
         return self.law == "sine_cosine"
 
     def volts(self, angle: ArrayLike) -> np.ndarray:

@@ -159,7 +159,7 @@ def fit_calibration(
 
 
 def follows_the_angle(sensor: SensorCalibration, run: Run) -> bool:
-    """Whether the readings leave the law in a way that depends on the angle.
+    """Tells readings that leave the law in a way that depends on the angle.
 
     Their scatter is then no noise, and the errors of the parameters are too small. By von Neumann's
     ratio: residuals of neighbouring angles that are alike.
