@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 import os
+import select
 import threading
 import time
 import tty
@@ -22,21 +23,31 @@ RATE = 250.0
 
 @contextmanager
 def board(line):
-    """A board that prints line(t) so often a second; its port."""
+    """A board that prints line(t) so often a second from when it is first asked; its port.
+
+    A line waits until there is room for it: a busy host reads late, and loses none.
+    """
     master, slave = os.openpty()
     tty.setraw(master)
     tty.setraw(slave)
     os.set_blocking(master, False)
-    stop, begin = threading.Event(), time.monotonic()
+    stop = threading.Event()
 
     def prints():
-        for i in itertools.count():
-            if stop.wait(max(begin + i / RATE - time.monotonic(), 0.0)):
+        while not select.select([master], [], [], 0.02)[0]:
+            if stop.is_set():
                 return
-            try:
-                os.write(master, line(i / RATE) + b"\r\n")
-            except BlockingIOError:  # nobody reads
-                pass
+        begin = time.monotonic()
+        for i in itertools.count():
+            rest = line(i / RATE) + b"\r\n"
+            wait = begin + i / RATE - time.monotonic()
+            while rest:
+                if stop.wait(max(wait, 0.0)):
+                    return
+                try:
+                    rest, wait = rest[os.write(master, rest) :], 0.0
+                except BlockingIOError:
+                    wait = 1e-3
 
     thread = threading.Thread(target=prints)
     thread.start()
