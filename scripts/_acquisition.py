@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from tp_jax.acquisition import Port, Settings, protocol, record
-from tp_jax.acquisition.parser import FrameParser
-from tp_jax.acquisition.text_stream import TextParser
+from tp_jax.acquisition.parser import FrameParser, TextParser
 from tp_jax.recordings import load_campaign, read_columns
 from tp_jax.rig import VirtualRig
 from tp_jax.rig.emulator import Firmware

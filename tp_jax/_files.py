@@ -1,12 +1,14 @@
-"""Files that appear or change at once and whole, and files that can be read at once."""
+"""Files that appear or change at once and whole, and what goes into them as JSON."""
 
 import errno
+import math
 import os
 import stat
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 LARGEST = 2_000_000_000
 """Bytes of a file that is read as a whole: ten million rows of a recording take 0.6 GB."""
@@ -53,3 +55,22 @@ def replaced(target: str | os.PathLike[str]) -> Iterator[Path]:
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)  # gone already where all went well
+
+
+def plain(value: Any) -> Any:
+    """The value in JSON's own types: arrays become lists, NaN and infinities null."""
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, set | frozenset):
+        return sorted(plain(entry) for entry in value)
+    if isinstance(value, Path):
+        return str(value)
+    if hasattr(value, "tolist"):  # NumPy's and JAX's scalars and arrays, without importing either
+        return plain(value.tolist())
+    raise TypeError(f"{type(value).__name__} has no form in JSON.")

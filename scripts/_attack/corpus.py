@@ -7,9 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from scripts._attack import small
-from tp_jax.acquisition.calibration import Calibration, SensorCalibration
-from tp_jax.acquisition.calibration_file import to_toml
-from tp_jax.acquisition.metadata import calibration_entry
+from tp_jax.recordings.calibration import Calibration, SensorCalibration, calibration_entry, to_toml
 from tp_jax.schemas.recording import VERSION as RECORDING
 
 CAMPAIGN = """\

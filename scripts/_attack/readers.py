@@ -115,7 +115,7 @@ def _calibration(content: bytes, folder: Path) -> None:
 
 
 def _readings(content: bytes, folder: Path) -> None:
-    from tp_jax.acquisition.calibration_run import calibrate
+    from tp_jax.recordings.calibration_run import calibrate
 
     calibrate([str(_put(folder, "volts.csv", content))])
 
@@ -174,15 +174,15 @@ def _frames(pieces: list[bytes], _: Path) -> None:
 
 
 def _lines(pieces: list[bytes], _: Path) -> None:
-    from tp_jax.acquisition.text_stream import TextParser
-    from tp_jax.acquisition.text_timeline import TextTimeline
+    from tp_jax.acquisition.parser import TextParser
+    from tp_jax.acquisition.timeline import Timeline
 
-    parser, timeline = TextParser(), TextTimeline()
+    parser, timeline = TextParser(), Timeline()
     last = -np.inf
     for piece in pieces:
         rows = parser.feed(piece)
         if len(rows):
-            last = _rising(timeline.feed(rows)[:, 0], last)
+            last = _rising(timeline.feed_rows(rows)[:, 0], last)
         parser.clear()
     _counted(parser.good, parser.corrupt, 0, timeline)
 

@@ -11,8 +11,7 @@ from tp_jax.acquisition.campaign_entry import (
     free_name,
     unusable,
 )
-from tp_jax.acquisition.metadata import metadata_path
-from tp_jax.acquisition.recorded import Recorded
+from tp_jax.acquisition.run_log import Recorded, metadata_path
 from tp_jax.errors import InputError
 from tp_jax.recordings import load_campaign, write_csv
 

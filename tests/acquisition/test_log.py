@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tp_jax.acquisition.log import Log
-from tp_jax.acquisition.settings import Settings
+from tp_jax.acquisition.run_log import RunLog, Settings
 from tp_jax.acquisition.timeline import Timeline
 
 PERIOD = 1000  # µs
@@ -17,17 +16,16 @@ PERIOD = 1000  # µs
 def lost(steps, jumps, duration, size=5):
     """Samples lost of a run, and its timeline: steps of the sequence, jumps of the clock [µs]."""
     timeline = Timeline(1e-6 * PERIOD, 0)
-    source = SimpleNamespace(timeline=timeline, stream="frames", names=("t", "phi1"))
-    log = Log(None, None, SimpleNamespace(identity=None), source, Settings(duration))
+    stream = SimpleNamespace(timeline=timeline, kind="frames", names=("t", "phi1"))
+    log = RunLog(None, None, stream, Settings(duration))
     sequence = np.cumsum(steps)
     times = sequence * PERIOD + np.cumsum(jumps)
-    cut = 0
     for i in range(0, sequence.size, size):
         part = slice(i, i + size)
         _, t = timeline.feed(sequence[part] % 2**32, times[part] % 2**32)
-        log.gaps(timeline.take_gaps())
-        cut += int((t > duration + 0.25e-6 * PERIOD).sum())
-    return log._lost(cut), timeline
+        log.note_gaps()
+        log._cut += int((t > duration + 0.25e-6 * PERIOD).sum())
+    return log._lost(), timeline
 
 
 def test_what_is_missing_beyond_the_end_is_not_counted():

@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tp_jax.acquisition import protocol
-from tp_jax.acquisition.parser import LONGEST_PIECE, FrameParser
-from tp_jax.acquisition.text_stream import TextParser
+from tp_jax.acquisition.parser import LONGEST_PIECE, FrameParser, TextParser
 from tp_jax.rig.serve import Line
 
 SENT = [protocol.sample(1, i, 1000 * i, (i % 65536, 7 * i % 65536, 0, 65535)) for i in range(60000)]

@@ -15,11 +15,11 @@ import pytest
 from tests.acquisition.swing import emulated, port_of
 from tests.waiting import PATIENCE, running, until
 from tp_jax.acquisition import Settings, fit_clock, record, writer
-from tp_jax.acquisition.calibration import Calibration, SensorCalibration
-from tp_jax.acquisition.metadata import metadata_path
 from tp_jax.acquisition.recorder import correction
+from tp_jax.acquisition.run_log import metadata_path
 from tp_jax.errors import InputError
 from tp_jax.recordings import load_campaign, read_columns
+from tp_jax.recordings.calibration import Calibration, SensorCalibration
 from tp_jax.rig.emulator import REFERENCE, SENSORS
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tp_jax.acquisition.text_stream import TextParser, numbers
+from tp_jax.acquisition.parser import TextParser, numbers
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tp_jax.acquisition.text_timeline import LEARNT_FROM, TextTimeline
+from tp_jax.acquisition.timeline import LEARNT_FROM, Timeline
 
 
 def rows(t):
@@ -14,20 +14,20 @@ def rows(t):
 
 def fed(timeline, t, size=7):
     table = rows(t)
-    parts = [timeline.feed(table[i : i + size]) for i in range(0, len(table), size)]
+    parts = [timeline.feed_rows(table[i : i + size]) for i in range(0, len(table), size)]
     return np.concatenate(parts)[:, 0]
 
 
 def test_uniform_rows_pass():
     t = 3.0 + np.arange(100) * 0.004
-    timeline = TextTimeline()
+    timeline = Timeline()
     np.testing.assert_array_equal(fed(timeline, t), t)
     assert (timeline.accepted, timeline.lost, timeline.implausible) == (100, 0, 0)
 
 
 def test_a_gap_stays_one():
     t = np.delete(np.arange(200) * 0.004, [50, 51, 120, *range(150, 190)])
-    timeline = TextTimeline()
+    timeline = Timeline()
     np.testing.assert_array_equal(fed(timeline, t), t)
     assert timeline.lost == 43
     assert [gap.samples for gap in timeline.take_gaps()] == [2, 1, 40]
@@ -37,7 +37,7 @@ def test_damaged_times_are_left_out():
     t = np.arange(100) * 0.004
     damaged = t.copy()
     damaged[[20, 40, 60, 61]] = [0.8, 4.16, 0.1, 0.116]
-    timeline = TextTimeline()
+    timeline = Timeline()
     np.testing.assert_array_equal(fed(timeline, damaged), np.delete(t, [20, 40, 60, 61]))
     assert timeline.implausible == 4
     assert not timeline.restarted
@@ -45,22 +45,22 @@ def test_damaged_times_are_left_out():
 
 def test_a_rig_that_begins_anew():
     t = np.arange(100) * 0.004
-    timeline = TextTimeline()
+    timeline = Timeline()
     fed(timeline, t)
     assert fed(timeline, t).size == 0
     assert timeline.restarted
 
 
 def test_a_stream_that_ends_at_once():
-    timeline = TextTimeline()
+    timeline = Timeline()
     assert fed(timeline, [0.0, 0.1, 0.1, 0.3]).size == 0
     np.testing.assert_array_equal(timeline.rest()[:, 0], [0.0, 0.1, 0.3])
-    assert TextTimeline().rest() is None
+    assert Timeline().rest() is None
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=60), st.integers(1, 9))
 def test_times_always_rise(times, size):
-    timeline = TextTimeline()
+    timeline = Timeline()
     t = np.concatenate([np.arange(LEARNT_FROM) * 0.5, times])
     got = fed(timeline, t, size)
     assert np.all(np.diff(got) > 0.0)
@@ -68,7 +68,7 @@ def test_times_always_rise(times, size):
 
 @given(st.lists(st.floats(-1e6, 1e6, allow_subnormal=True), min_size=1, max_size=60))
 def test_no_count_is_negative(t):
-    timeline = TextTimeline()
+    timeline = Timeline()
     fed(timeline, t)
     assert min(timeline.lost, timeline.accepted, timeline.implausible) >= 0
     assert sum(gap.samples for gap in timeline.take_gaps()) == timeline.lost

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from tp_jax.acquisition import read_calibration
-from tp_jax.acquisition.calibration import PARAMETERS
 from tp_jax.cli import main
 from tp_jax.cli.calibrate import LAWS
+from tp_jax.recordings.calibration import PARAMETERS
 
 KNOWN = np.deg2rad(np.arange(-40.0, 41.0, 5.0))
 

@@ -12,7 +12,7 @@ import pytest
 
 from tests.acquisition.swing import emulated
 from tests.waiting import PATIENCE, running, until
-from tp_jax.acquisition.status import Status
+from tp_jax.acquisition.run_log import Status
 from tp_jax.cli import main
 from tp_jax.cli.live import plot, screen
 from tp_jax.recordings import load_campaign, read_columns

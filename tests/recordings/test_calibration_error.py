@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from tp_jax.acquisition.calibration import Calibration, SensorCalibration
-from tp_jax.acquisition.metadata import calibration_entry, metadata_path, write_metadata
+from tp_jax.acquisition.run_log import metadata_path, write_metadata
 from tp_jax.recordings import CalibrationError, CampaignError, load_campaign
+from tp_jax.recordings.calibration import Calibration, SensorCalibration, calibration_entry
 from tp_jax.schemas.recording import VERSION
 
 SINE = SensorCalibration("sine", np.array([1.65, 2.6]), np.array([[4e-6, 1e-6], [1e-6, 9e-4]]))

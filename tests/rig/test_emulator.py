@@ -68,7 +68,7 @@ def test_samples_are_timed_by_its_own_clock():
 
 def test_the_noise_is_what_was_asked_for():
     bridges = Bridges(noise=2e-3, seed=3)
-    from tp_jax.acquisition.calibration import SensorCalibration
+    from tp_jax.recordings.calibration import SensorCalibration
     from tp_jax.rig.emulator import REFERENCE, SENSORS
 
     counts = np.array([bridges.read(0.3, -1.0) for _ in range(20000)]) * REFERENCE / 65535

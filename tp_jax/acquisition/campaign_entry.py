@@ -1,13 +1,18 @@
-"""A recording's entry in its campaign.toml, appended to what the user wrote there."""
+"""A recording's entry in its campaign.toml, appended to the user's own text.
+
+The entry is put behind the text, and tomllib sees that the whole is TOML. tomlkit, which edits TOML
+in place, was tried: it lost an entry behind a last line without an end, mixed line ends, and wrote
+a file that was no TOML where `recording` was an inline array.
+"""
 
 import json
 import os
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from tp_jax._files import bytes_of, replaced
-from tp_jax.acquisition.metadata import metadata_path
-from tp_jax.acquisition.recorded import Recorded
+from tp_jax.acquisition.run_log import Recorded, metadata_path
 from tp_jax.errors import InputError
 from tp_jax.recordings import LEAST_SAMPLES, load_campaign
 from tp_jax.recordings.checks import check_recording
@@ -16,11 +21,7 @@ CAMPAIGN = "campaign.toml"
 
 
 def check_campaign(folder: Path) -> None:
-    """Sees before the recording that its entry can be appended.
-
-    Raises:
-        InputError: there is a campaign.toml that cannot take one.
-    """
+    """Sees before the recording that its entry can be appended; InputError where it cannot."""
     file = folder / CAMPAIGN
     if file.exists():
         _with_entry(file, _read(file), '[[recording]]\nfile = "x.csv"\n')
@@ -33,50 +34,44 @@ def check_campaign(folder: Path) -> None:
 def free_name(folder: Path, omega: float | None) -> Path:
     """A file that is not there yet: run-13.09.csv, run-13.09-2.csv, ...; decay.csv, ..."""
     stem = f"run-{omega:g}" if omega else "decay"
-    number = 1
-    while True:
-        path = folder / (f"{stem}.csv" if number == 1 else f"{stem}-{number}.csv")
-        if not (os.path.lexists(path) or os.path.lexists(metadata_path(path))):
-            return path
+    path, number = folder / f"{stem}.csv", 1
+    while os.path.lexists(path) or os.path.lexists(metadata_path(path)):
         number += 1
+        path = folder / f"{stem}-{number}.csv"
+    return path
 
 
 def unusable(folder: Path, recorded: Recorded) -> str | None:
-    """Why a recording would spoil the campaign in the folder, in one sentence; None: it would not.
-
-    One without motion, say, would keep the whole campaign from being read.
-    """
+    """The fault that keeps a recording out of the folder's campaign; None where it has none."""
     if recorded.rows < LEAST_SAMPLES:
         return f"It has {recorded.rows} samples, but {LEAST_SAMPLES} are needed; record for longer."
+    if recorded.state == "complete" and recorded.fault is not None:
+        return "Too much of it is missing; see to the rig and record again."
     file = folder / CAMPAIGN
     try:
-        rig = tomllib.loads(_read(file).lstrip("\ufeff")).get("rig", {}) if file.exists() else {}
+        rig = _toml(_read(file)).get("rig", {}) if file.exists() else {}
         rate = rig.get("sample_rate")
         made = load_campaign(recorded.path, omega=recorded.omega, decay=not recorded.forced)
         check_recording(made.recordings[0], float(rate) if rate else None)
     except InputError as fault:  # a CampaignError is one
         return str(fault)
     except (AttributeError, TypeError, ValueError):
-        return None  # of what is wrong with the campaign's own text its reader knows more
+        return None  # of faults in the campaign's own text its reader knows more
     return None
 
 
 def append_entry(folder: Path, recorded: Recorded) -> bool:
-    """Appends the entry of a recording in the folder; makes the campaign.toml where there is none.
+    """Appends a recording's entry to the folder's campaign.toml, or to a new one.
 
-    Returns:
-        Whether it was appended: a recording that is `unusable` is not.
-
-    Raises:
-        InputError: the campaign.toml cannot be read, written or appended to; the recording stays.
+    Returns whether it did: a recording that is `unusable` stays out. InputError where the file
+    cannot be read, written or appended to.
     """
     if unusable(folder, recorded) is not None:
         return False
     file = folder / CAMPAIGN
-    entry = _entry(recorded)
     try:
         old = _read(file) if file.exists() else _new(folder, recorded)
-        text = _with_entry(file, old, entry)
+        text = _with_entry(file, old, _entry(recorded))
         with replaced(file) as part:
             part.write_text(text, encoding="utf-8", newline="\n")
     except OSError as fault:
@@ -97,17 +92,17 @@ def _read(file: Path) -> str:
         ) from fault
 
 
-def _with_entry(file: Path, old: str, entry: str) -> str:
-    """The text with the entry at its end; nothing of the old one changes.
+def _toml(text: str) -> dict[str, Any]:
+    return tomllib.loads(text.lstrip("\ufeff"))
 
-    Raises:
-        InputError: it would not be a campaign.
-    """
+
+def _with_entry(file: Path, old: str, entry: str) -> str:
+    """The text with the entry at its end; InputError where it would not be a campaign."""
     ends = "\r\n" if "\r\n" in old else "\n"
     gap = "" if not old or old.endswith("\n\n") else "\n" if old.endswith("\n") else "\n\n"
     text = old + (gap + entry).replace("\n", ends)
     try:
-        top = tomllib.loads(text.lstrip("\ufeff"))
+        top = _toml(text)
     except (ValueError, RecursionError) as fault:  # TOMLDecodeError is a ValueError
         raise InputError(
             f"{file}: a [[recording]] cannot be appended ({fault}); correct the file, or record "
@@ -121,28 +116,23 @@ def _with_entry(file: Path, old: str, entry: str) -> str:
 
 
 def _entry(recorded: Recorded) -> str:
-    lines = ["[[recording]]", f"file = {json.dumps(recorded.path.name, ensure_ascii=False)}"]
-    if recorded.omega is not None:
-        lines.append(f"omega = {recorded.omega!r}")
-    lines.append(f"forced = {str(recorded.forced).lower()}")
     release = recorded.metadata["drive"]["release"]
-    if release is not None:
-        lines[-1] += f"  # released at {release:g} rad"
+    omega = "" if recorded.omega is None else f"omega = {recorded.omega!r}\n"
+    remark = "" if release is None else f"  # released at {release:g} rad"
     if recorded.state != "complete":
-        lines[-1] += f"  # {recorded.state} after {recorded.duration:.4g} s"
-    return "\n".join(lines) + "\n"
+        remark += f"  # {recorded.state} after {recorded.duration:.4g} s"
+    return (
+        f"[[recording]]\nfile = {json.dumps(recorded.path.name, ensure_ascii=False)}\n"
+        f"{omega}forced = {str(recorded.forced).lower()}{remark}\n"
+    )
 
 
 def _new(folder: Path, recorded: Recorded) -> str:
     device = recorded.metadata["device"]
     model = "double" if "phi2" in recorded.metadata["columns"] else "single"
-    lines = [
-        f"name = {json.dumps(folder.resolve().name, ensure_ascii=False)}",
-        "",
-        "[rig]",
-        f'model = "{model}"',
-        "# B1 = 1.2e-3    # kg m^2, the column's, from CAD: fixes the scale of all torques",
-    ]
-    if device is not None:
-        lines.append(f"sample_rate = {device['rate']!r}")
-    return "\n".join(lines) + "\n"
+    rate = "" if device is None else f"sample_rate = {device['rate']!r}\n"
+    return (
+        f"name = {json.dumps(folder.resolve().name, ensure_ascii=False)}\n\n"
+        f'[rig]\nmodel = "{model}"\n'
+        "# B1 = 1.2e-3    # kg m^2, the column's, from CAD: fixes the scale of all torques\n" + rate
+    )

@@ -1,11 +1,11 @@
 """The rig's clock against the host's: offset and skew, from when samples arrived.
 
 A sample arrives late, never early: by the line, the USB frame, the scheduler. So the relation of
-the two clocks is the line *below* all points (rig's time, host's time − rig's time), as near to
-them as can be: of the edges of their lower convex hull the one above or below the mean of the
-rig's times, which is the line from below with the least sum of distances. It is also the maximum
-likelihood estimate for exponentially distributed delays, and a delay that saws between two polls
-of a bus, as the beat of two clocks makes it, does not tilt it as it tilts a least-squares line.
+the two clocks is the line *below* all points (rig's time, host's time − rig's time) with the least
+sum of distances: of the edges of their lower convex hull the one that spans the mean of the rig's
+times. That is the maximum likelihood estimate for exponentially distributed delays, and a delay
+that saws between two polls of a bus, as the beat of two clocks makes it, does not tilt it as it
+tilts a least-squares line.
 """
 
 from dataclasses import dataclass
@@ -13,36 +13,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-MOST_BLOCKS = 240
-LEAST_POINTS = 20
-LEAST_SPAN = 1.0
-"""Seconds of recording below which nothing is said of the skew."""
-
-_FOLDS = 10
+LEAST_POINTS, LEAST_SPAN = 20, 1.0  # arrivals and seconds below which nothing is said
+MOST_BLOCKS, _FOLDS = 240, 10
 
 
 @dataclass(frozen=True)
 class ClockFit:
-    """host time = offset + rig time / (1 + skew).
+    """host time = offset + rig time / (1 + skew), with standard errors."""
 
-    Attributes:
-        offset: host's clock at t = 0 of the rig's [s], the shortest delay included.
-        skew: relative rate of the rig's clock, 1e-6 is a part per million; above zero it is fast.
-        offset_error, skew_error: standard errors.
-        delay: median delay of the points beyond the shortest [s].
-        points: arrivals that were used.
-    """
-
-    offset: float
-    skew: float
+    offset: float  # host's clock at t = 0 of the rig's [s], the shortest delay included
+    skew: float  # relative rate of the rig's clock, above zero it is fast; 1e-6 is 1 ppm
     offset_error: float
     skew_error: float
-    delay: float
-    points: int
+    delay: float  # median delay of the points beyond the shortest [s]
+    points: int  # arrivals that were used
 
 
 def fit_clock(rig: ArrayLike, host: ArrayLike, poll: float = 0.0) -> ClockFit | None:
-    """Estimates offset and skew.
+    """Estimates offset and skew; None where there are too few points, or all within `LEAST_SPAN`.
 
     Args:
         rig: (n,) times of samples on the rig's clock [s].
@@ -50,51 +38,36 @@ def fit_clock(rig: ArrayLike, host: ArrayLike, poll: float = 0.0) -> ClockFit | 
         poll: how often the bus between them is asked [s], 1e-3 for USB. A delay that creeps
             through less than one such period in the whole recording looks like a skew, and no
             estimate can tell: it is counted among the errors.
-
-    Returns:
-        The fit; None where there are too few points, or all within `LEAST_SPAN`.
     """
     d, h = np.asarray(rig, dtype=float), np.asarray(host, dtype=float)
-    if d.size < LEAST_POINTS or d.max() - d.min() < LEAST_SPAN:
+    if d.size < LEAST_POINTS or np.ptp(d) < LEAST_SPAN:
         return None
     order = np.argsort(d, kind="stable")
     d, delay = d[order], (h - d)[order]
-    low = _lowest_of_blocks(d, delay)
-    slope, intercept = _line_below(d[low], delay[low])
+    part, span = (d - d[0]) / (d[-1] - d[0]), d[-1] - d[0]
+    # the least delayed point of each of many spans of equal length
+    blocks = min(MOST_BLOCKS, d.size)
+    block = np.minimum(part * blocks, blocks - 1).astype(int)
+    by_delay = np.lexsort((delay, block))
+    low = by_delay[np.flatnonzero(np.diff(block[by_delay], prepend=-1))]
+    x, y = d[low], delay[low]
+    slope, intercept = _line_below(x, y)
 
-    # what the line does when a tenth of the time is left out, and how it could be tilted by the
+    # how the line moves when a tenth of the time is left out, and how it could be tilted by the
     # delays that are always there
-    span = d[-1] - d[0]
-    fold = np.minimum((d[low] - d[0]) / span * _FOLDS, _FOLDS - 1).astype(int)
-    others = [
-        _line_below(d[low][fold != k], delay[low][fold != k])
-        for k in range(_FOLDS)
-        if np.unique(d[low][fold != k]).size > 1
-    ]
+    fold = np.minimum(part[low] * _FOLDS, _FOLDS - 1).astype(int)
+    kept = [fold != k for k in range(_FOLDS)]
+    others = [_line_below(x[k], y[k]) for k in kept if np.unique(x[k]).size > 1]
     spread = np.sqrt((len(others) - 1) * np.var(others, axis=0)) if others else np.full(2, np.inf)
-    above = np.median(delay[low] - intercept - slope * d[low])
-    hidden = float(np.hypot(above, poll / np.sqrt(12.0)))
-    slope_error = float(np.hypot(spread[0], hidden / span))
-    offset_error = float(np.hypot(spread[1], hidden))
-    # host = d + intercept + slope d = offset + d / (1 + skew)
-    skew = 1.0 / (1.0 + slope) - 1.0
+    hidden = np.hypot(np.median(y - intercept - slope * x), poll / np.sqrt(12.0))
     return ClockFit(
-        offset=float(intercept),
-        skew=float(skew),
-        offset_error=offset_error,
-        skew_error=slope_error,
+        offset=intercept,
+        skew=1.0 / (1.0 + slope) - 1.0,  # host = d + intercept + slope d
+        offset_error=float(np.hypot(spread[1], hidden)),
+        skew_error=float(np.hypot(spread[0], hidden / span)),
         delay=float(np.median(delay - intercept - slope * d)),
         points=d.size,
     )
-
-
-def _lowest_of_blocks(d: np.ndarray, delay: np.ndarray) -> np.ndarray:
-    """Indices of the least delayed point of each of up to `MOST_BLOCKS` spans of equal length."""
-    blocks = min(MOST_BLOCKS, d.size)
-    block = np.minimum((d - d[0]) / (d[-1] - d[0]) * blocks, blocks - 1).astype(int)
-    by_delay = np.lexsort((delay, block))
-    first = np.flatnonzero(np.diff(block[by_delay], prepend=-1))
-    return by_delay[first]
 
 
 def _line_below(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:

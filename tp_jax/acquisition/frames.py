@@ -2,10 +2,8 @@
 
 COBS (consistent overhead byte stuffing, Cheshire and Baker 1999) takes every zero out of the body
 for one byte more, so that a zero on the wire can only be the end of a frame: whatever happened
-before it, the next frame is read again.
-
-The checksum is CRC-32 as in zlib, Ethernet and PNG, little-endian, after the body it protects.
-It misses a damaged frame with a chance of 2^-32.
+before it, the next frame is read again. The checksum is CRC-32 as in zlib, little-endian, after the
+body it protects; it misses a damaged frame with a chance of 2^-32.
 """
 
 import zlib
@@ -13,24 +11,16 @@ import zlib
 from cobs import cobs
 
 END = b"\x00"
-"""Ends a frame, and stands nowhere else on the wire."""
-
 CRC_BYTES = 4
 
+# Bytes of a body with its CRC above which COBS would need a second byte of overhead. No frame of
+# the protocol is longer, so that a firmware can do with one small buffer.
 LONGEST = 254
-"""Bytes of a body with its CRC above which COBS would need a second byte of overhead. No frame of
-the protocol is longer, so that a firmware can do with one small buffer."""
-
-_RESIDUE = 0x2144DF1C
-"""CRC-32 of any bytes followed by their own CRC-32, little-endian: one call checks a frame."""
+_RESIDUE = 0x2144DF1C  # CRC-32 of any bytes followed by their own: one call checks a frame
 
 
 def encode(body: bytes) -> bytes:
-    """The bytes on the wire for a body, the end included.
-
-    Raises:
-        ValueError: the body is empty or too long for a frame.
-    """
+    """The bytes on the wire for a body, the end included."""
     if not 1 <= len(body) <= LONGEST - CRC_BYTES:
         raise ValueError(
             f"A body must have 1 to {LONGEST - CRC_BYTES} bytes, but this one has {len(body)}."
@@ -39,15 +29,9 @@ def encode(body: bytes) -> bytes:
 
 
 def decode(piece: bytes) -> bytes | None:
-    """The body, with its CRC, of what stood before an end; None where it is damaged.
-
-    Args:
-        piece: the bytes between two ends.
-    """
+    """The body, with its CRC, of the bytes between two ends; None where they are damaged."""
     try:
         frame = cobs.decode(piece)
     except cobs.DecodeError:
         return None
-    if len(frame) <= CRC_BYTES or zlib.crc32(frame) != _RESIDUE:
-        return None
-    return frame
+    return frame if len(frame) > CRC_BYTES and zlib.crc32(frame) == _RESIDUE else None

@@ -1,4 +1,4 @@
-"""The serial port: opening it, reading what has come and when, opening it again after a loss."""
+"""The serial port: opening it, reading with the time of arrival, opening it again after a loss."""
 
 import os
 import time
@@ -9,62 +9,43 @@ import serial
 
 from tp_jax.errors import InputError
 
-COLLECT = 0.03
-"""Seconds for which bytes are let come together before they are read: few wake-ups, little work."""
+# Bytes are let come together for so many seconds before they are read: few wake-ups, little work.
+# After so many at once there is no waiting: the system's buffer holds a few thousand.
+COLLECT, _MANY = 0.03, 1500
 
-_MANY = 1500
-"""Bytes at once from which on there is no waiting: the system's buffer holds a few thousand."""
+_FAULTS = (serial.SerialException, OSError)
 
 
 class Unplugged(Exception):
-    """The port has gone."""
+    """The port has gone: any reading or writing of it may say so."""
 
 
 class Port:
-    """A serial port.
-
-    Attributes:
-        name: as the user gave it.
-        baud: bits per second.
-        received: bytes so far.
-    """
+    """A serial port; `received` counts its bytes."""
 
     def __init__(self, name: str, baud: int, clock: Callable[[], float] = time.monotonic) -> None:
-        """Opens the port.
+        """Opens "/dev/ttyACM0", "COM3", a link to one, or a URL that pySerial knows.
 
         Args:
-            name: "/dev/ttyACM0", "COM3", a link to one, or a URL that pySerial knows.
+            name: of the port; InputError where it cannot be opened.
             baud: bits per second.
             clock: the host's, [s].
-
-        Raises:
-            InputError: it cannot be opened.
         """
         self.name, self.baud, self.received = name, baud, 0
         self._clock = clock
         self._many = False
         try:
             self._serial = self._open()
-        except (serial.SerialException, OSError, ValueError) as fault:
+        except (*_FAULTS, ValueError) as fault:
             raise InputError(_cannot_open(name, baud, fault)) from fault
 
     @property
     def usb(self) -> bool:
-        """Whether a bus that is polled every millisecond lies between the rig and the host."""
+        """True where a bus that is polled every millisecond lies between the rig and the host."""
         return not os.path.realpath(self.name).startswith("/dev/pts/")
 
     def read(self, timeout: float) -> tuple[bytes, float]:
-        """What has come, and when its first byte came.
-
-        Args:
-            timeout: seconds to wait for the first byte.
-
-        Returns:
-            The bytes, none where none came; the host's clock at the first of them.
-
-        Raises:
-            Unplugged: the port has gone.
-        """
+        """The bytes that come within so many seconds, and the host's clock at the first of them."""
         try:
             if self._serial.timeout != timeout:
                 self._serial.timeout = timeout
@@ -75,22 +56,17 @@ class Port:
             if not self._many:
                 time.sleep(COLLECT)
             more = self._serial.read(self._serial.in_waiting)
-        except (serial.SerialException, OSError, TypeError) as fault:
-            # TypeError: pySerial's, where another thread has closed the port
+        except (*_FAULTS, TypeError) as fault:  # pySerial's, where another thread has closed it
             raise Unplugged(str(fault)) from fault
         self._many = len(more) > _MANY
         self.received += 1 + len(more)
         return first + more, arrival
 
     def write(self, data: bytes) -> None:
-        """Sends bytes.
-
-        Raises:
-            Unplugged: the port has gone.
-        """
+        """Sends bytes."""
         try:
             self._serial.write(data)
-        except (serial.SerialException, OSError) as fault:
+        except _FAULTS as fault:
             raise Unplugged(str(fault)) from fault
 
     def reopen(self) -> bool:
@@ -98,7 +74,7 @@ class Port:
         self.close()
         try:
             self._serial = self._open()
-        except (serial.SerialException, OSError, ValueError):
+        except (*_FAULTS, ValueError):
             return False
         return True
 
@@ -106,14 +82,13 @@ class Port:
         """Closes the port; it may have gone."""
         try:
             self._serial.close()
-        except (serial.SerialException, OSError):
+        except _FAULTS:
             pass
 
     def _open(self) -> Any:  # pySerial's classes differ by system
         # the lock keeps a second recorder from taking half of the bytes
-        lock: dict[str, Any] = {}
-        if os.name == "posix" and "://" not in self.name:
-            lock["exclusive"] = True
+        own = os.name == "posix" and "://" not in self.name
+        lock: dict[str, Any] = {"exclusive": True} if own else {}
         return serial.serial_for_url(
             self.name, baudrate=self.baud, timeout=0.05, write_timeout=2.0, **lock
         )
@@ -132,6 +107,6 @@ def _cannot_open(name: str, baud: int, fault: Exception) -> str:
         )
     from serial.tools.list_ports import comports
 
-    there = sorted(port.device for port in comports())
-    found = f"the ports found are {', '.join(there)}" if there else "no serial port was found"
+    there = ", ".join(sorted(port.device for port in comports()))
+    found = f"the ports found are {there}" if there else "no serial port was found"
     return f"Cannot open the port {name}; {found}."

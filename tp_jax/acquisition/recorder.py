@@ -10,9 +10,8 @@ import logging
 import signal
 import threading
 import time
-from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -20,35 +19,22 @@ import numpy as np
 from tp_jax.acquisition import protocol
 from tp_jax.acquisition.clock import ClockFit
 from tp_jax.acquisition.device import Device
-from tp_jax.acquisition.frame_source import FrameSource
-from tp_jax.acquisition.log import Log
-from tp_jax.acquisition.metadata import metadata_path
 from tp_jax.acquisition.port import Port, Unplugged
-from tp_jax.acquisition.recorded import Recorded
-from tp_jax.acquisition.rig_calibration import rig_calibration
-from tp_jax.acquisition.rows import Rows
-from tp_jax.acquisition.settings import Settings
-from tp_jax.acquisition.status import Progress, Status
-from tp_jax.acquisition.text_source import TextSource
-from tp_jax.acquisition.writer import CsvWriter, already_there, scale_time
+from tp_jax.acquisition.run_log import Progress, Recorded, RunLog, Settings, metadata_path
+from tp_jax.acquisition.streams import Stream
+from tp_jax.acquisition.writer import already_there, scale_time
 from tp_jax.errors import InputError
 
 _LOG = logging.getLogger(__name__)
 
-SIGNIFICANT_SKEW = 5e-5
-"""A host's own clock is a crystal as well: below this either of the two may be to blame."""
-
+# A host's own clock is a crystal as well: below a skew of 5e-5 either of the two may be to blame.
+# The worst oscillator, of a resistor and a capacitor, is wrong by a tenth: a rig that seems more so
+# does not keep the time that it writes.
+SIGNIFICANT_SKEW, LARGEST_SKEW = 5e-5, 0.2
 SIGNIFICANT_ERRORS = 3.0
 
-LARGEST_SKEW = 0.2
-"""The worst oscillator, of a resistor and a capacitor, is wrong by a tenth. More is no skew: what
-is behind the port does not keep the time that it writes."""
-
-LARGEST_RELEASE = 0.5 * np.pi
-"""rad; from further on the bridges cannot tell which turn a run began in."""
-
+LARGEST_RELEASE = 0.5 * np.pi  # rad; beyond, no bridge tells which turn a run began in
 _STATUS_PERIOD = 0.1
-_PLOT_SAMPLES = 4000
 
 
 def record(
@@ -59,14 +45,12 @@ def record(
     baud: int = protocol.BAUD,
     progress: Progress | None = None,
 ) -> Recorded:
-    """Records one run.
-
-    Ctrl-C ends it early and keeps what there is.
+    """Records one run. Ctrl-C ends it early and keeps what there is.
 
     Args:
         port: an open port, or the name of one, which is closed in the end.
         out: the file, which must not exist yet.
-        settings: what is to be recorded.
+        settings: of the run.
         baud: for a port that is opened here.
         progress: called some ten times a second.
 
@@ -88,11 +72,7 @@ def record(
 
 
 def check(path: Path, settings: Settings) -> None:
-    """What can be seen before the port is opened.
-
-    Raises:
-        InputError: the settings contradict each other, or there is such a file already.
-    """
+    """Faults settings that contradict each other, and a file that is there already."""
     if settings.omega is not None and settings.release is not None:
         raise InputError("A run is driven or released, not both; give omega or release.")
     if not settings.duration > 0.0:
@@ -135,238 +115,169 @@ def uninterrupted() -> Iterator[None]:
 class _Recorder:
     """One recording; used once."""
 
+    log: RunLog
+    stream: Stream
+
     def __init__(
         self, port: Port, path: Path, settings: Settings, progress: Progress | None
     ) -> None:
         self.port, self.path, self.settings, self.progress = port, path, settings, progress
         self.device = Device(port)
-        self.writer: CsvWriter | None = None
-        self.state = "recording"
-        self.cut = 0  # samples after the end
-        self.omega: float | None = None
-        self._asked = False
-        self._recent: deque[np.ndarray] = deque()
+        self.omega = settings.omega
         self._shown = 0.0
-        self._rate: float | None = None
-        self._counted = (0.0, 0)
 
     def run(self) -> Recorded:
         self.device.identify(self.settings.patience)
-        source = self._begin()
-        log = Log(self.path, self.port, self.device, source, self.settings)
+        self.stream = self._begin()
+        self.log = log = RunLog(self.path, self.port, self.stream, self.settings)
         try:
-            self._loop(source, log)
+            self._loop()
         except KeyboardInterrupt:
-            self.state = "interrupted"
-        except OSError as fault:  # of the file: those of the port are `Unplugged`
-            self.state = "failed"
-            raise InputError(
-                f"Cannot write {self.path}: {fault.strerror}; it keeps what was written until then."
-            ) from fault
-        except BaseException:
-            self.state = "failed"
+            log.state = "interrupted"
+        except BaseException as fault:
+            log.state = "failed"
+            if isinstance(fault, OSError):  # of the file: those of the port are `Unplugged`
+                raise InputError(
+                    f"Cannot write {self.path}: {fault.strerror}; it keeps what was written until "
+                    "then."
+                ) from fault
             raise
         finally:
             with uninterrupted():
-                self._end(source, log)
-        if self.writer is None:
+                self._end()
+        if not log.written:
+            why = " ".join(self.stream.notes) or "check that the firmware samples."
             raise InputError(
-                f"No sample came from {self.port.name} after the run was started; check that the "
-                "firmware samples."
+                f"No sample came from {self.port.name} after the run was started; {why}"
             )
         with uninterrupted():
-            return self._finished(log)
+            return self._finished()
 
-    # The run --------------------------------------------------------------------------------
-
-    def _begin(self) -> FrameSource | TextSource:
+    def _begin(self) -> Stream:
         """Starts the run."""
-        wanted = self.settings
-        if self.device.identity is None:
-            return TextSource(self.device, wanted.calibration)
-        if self.device.identity.running:  # what another recorder left
-            self.device.command(protocol.STOP)
-        calibration = rig_calibration(self.device, wanted.calibration, wanted.patience)
-        drives = self.device.identity.drives
-        if wanted.omega and not drives:
+        wanted, identity, tell = self.settings, self.device.identity, self.device.command
+        if identity is not None and identity.running:  # another recorder left it so
+            tell(protocol.STOP)
+        calibration = self.device.calibration(wanted.calibration, wanted.patience)
+        if identity is None:
+            return Stream(self.device, calibration, real_time=wanted.real_time)
+        if wanted.omega and not identity.drives:
             raise InputError(
                 f"The rig at {self.port.name} has no motor to command; record without --omega."
             )
-        self.omega = wanted.omega
-        if drives and wanted.release is None:
-            ack = self.device.command(protocol.DRIVE, wanted.omega or 0.0, wanted.amplitude or 0.0)
-            if wanted.omega:
-                self.omega = ack.value / 1e6
-        self.device.samples.clear()
         if wanted.release is not None and abs(wanted.release) >= LARGEST_RELEASE:
             raise InputError(
                 f"The column cannot be let go at {wanted.release:g} rad: its sensor repeats itself "
                 "after half a turn; give an angle within ±1.57."
             )
-        if wanted.release is not None:
-            begun = self.device.command(protocol.RELEASE, wanted.release)
-        else:
-            begun = self.device.command(protocol.START)
-        return FrameSource(self.device, calibration, begun)
+        if identity.drives and wanted.release is None:
+            ack = tell(protocol.DRIVE, wanted.omega or 0.0, wanted.amplitude or 0.0)
+            if wanted.omega:
+                self.omega = ack.value / 1e6
+        self.device.heard.clear()
+        if wanted.release is None:
+            return Stream(self.device, calibration, tell(protocol.START))
+        return Stream(self.device, calibration, tell(protocol.RELEASE, wanted.release))
 
-    def _loop(self, source: FrameSource | TextSource, log: Log) -> None:
-        for rows in source.pending():
-            self._take(rows, source, log)
-        heard = time.monotonic()
-        while self.state == "recording":
+    def _loop(self) -> None:
+        log, patience = self.log, self.settings.patience
+        self._take_pending()
+        heard, asked = time.monotonic(), False
+        while log.state == "recording":
             try:
                 data, arrival = self.port.read(0.05)
             except Unplugged:
-                self._wait_for_the_rig(source, log)
+                self._wait_for_the_rig()
                 heard = time.monotonic()
                 continue
             if data:
-                rows = source.feed(data, arrival)
-                self._take(rows, source, log)
+                rows = self.stream.feed(data, arrival)
+                log.take(rows)
                 if len(rows.values):
-                    heard, self._asked = time.monotonic(), False
-            if source.timeline.restarted:
-                self.state = "restarted"
-            elif self.state == "recording" and (time.monotonic() - heard > self.settings.patience):
-                self._ask_after(source, log)
-                heard = time.monotonic()
-            self._show(source)
+                    heard, asked = time.monotonic(), False
+            if self.stream.timeline.restarted:
+                log.state = "restarted"
+            elif log.state == "recording" and time.monotonic() - heard > patience:
+                # once: a rig that answers and sends no samples will not send any
+                if asked or not self._heard_again():
+                    log.state = "silent"
+                heard, asked = time.monotonic(), True
+            self._show()
 
-    def _take(self, rows: Rows, source: FrameSource | TextSource, log: Log) -> None:
-        """Writes rows up to the end of the run."""
-        values = rows.values
-        if not len(values):
-            return
-        if rows.arrival is not None:
-            log.arrived(*rows.arrival)
-        log.gaps(source.timeline.take_gaps())
-        period = source.timeline.period or 0.0
-        # a text stream's clock need not begin with the recording
-        begin = 0.0 if source.stream == "frames" else log.first_time(float(values[0, 0]))
-        end = begin + self.settings.duration
-        inside = int(np.searchsorted(values[:, 0], end + 0.25 * period, "right"))
-        self.cut += len(values) - inside
-        if values[-1, 0] >= end - 0.25 * period:
-            self.state = "complete"
-        values = values[:inside]
-        if not len(values):
-            return
-        if self.writer is None:
-            self.writer = CsvWriter(self.path, source.names)
-        self.writer.write(values)
-        log.wrote(values)
-        if self.progress is not None:
-            self._recent.append(values)
-            while sum(map(len, self._recent)) > _PLOT_SAMPLES:
-                self._recent.popleft()
+    def _take_pending(self) -> None:
+        for rows in self.stream.pending():
+            self.log.take(rows)
 
-    def _ask_after(self, source: FrameSource | TextSource, log: Log) -> None:
-        """Silence, though the port is there: a cable is out further on, or the rig has stopped."""
-        self.state = "silent"
-        if source.stream == "text" or self._asked:
-            return
-        self._asked = True  # once: a rig that answers and sends no samples will not send any
-        log.unplugged("silent")
-        source.timeline.interrupted()
+    def _goes_on(self, patience: float) -> bool:
+        """Asks the rig anew after an interruption; says whether it is in the same run."""
         self.device.forget()
-        try:
-            self.device.identify(self.settings.reconnect)
-        except InputError:
-            return
-        except Unplugged:
-            self.state = "recording"  # the port has gone now: seen when it is read
-            return
-        if source.same_run():
-            self.state = "recording"
-            for rows in source.pending():
-                self._take(rows, source, log)
+        self.stream.interrupted()
+        if self.stream.kind == "frames":
+            self.device.identify(patience)
+        return self.stream.same_run()
 
-    def _wait_for_the_rig(self, source: FrameSource | TextSource, log: Log) -> None:
-        """Until it is plugged in again, or for as long as one may wait."""
+    def _heard_again(self) -> bool:
+        """Asks after a rig that is silent: a cable is out further on, or it has stopped."""
+        if self.stream.kind == "text":
+            return False
+        self.log.cause = "silent"
+        try:
+            goes_on = self._goes_on(self.settings.reconnect)
+        except InputError:
+            return False
+        except Unplugged:
+            return True  # seen when the port is read
+        if goes_on:
+            self._take_pending()
+        return goes_on
+
+    def _wait_for_the_rig(self) -> None:
+        """Waits until it is plugged in again, or for as long as one may wait."""
         deadline = time.monotonic() + self.settings.reconnect
-        log.unplugged()
+        self.log.cause = "unplugged"
         while time.monotonic() < deadline:
-            self._show(source, unplugged=True)
+            self._show(unplugged=True)
             if not self.port.reopen():
                 time.sleep(0.1)
                 continue
-            self.device.forget()
-            source.timeline.interrupted()
-            if source.stream == "text":
-                return
             try:
-                self.device.identify(self.settings.patience)
-            except Unplugged:
-                continue
-            except InputError:
-                continue  # bytes of another baud, while a board starts: ask again
-            if not source.same_run():
-                self.state = "restarted"
-                return
-            for rows in source.pending():
-                self._take(rows, source, log)
+                goes_on = self._goes_on(self.settings.patience)
+            except (Unplugged, InputError):
+                continue  # bytes of another baud, while a board starts, are no answer: ask again
+            if goes_on:
+                self._take_pending()
+            else:
+                self.log.state = "restarted"
             return
-        self.state = "unplugged"
+        self.log.state = "unplugged"
 
-    def _show(self, source: FrameSource | TextSource, unplugged: bool = False) -> None:
+    def _show(self, unplugged: bool = False) -> None:
         now = time.monotonic()
-        if self.progress is None or now - self._shown < _STATUS_PERIOD:
-            return
-        self._shown = now
-        written = 0 if self.writer is None else self.writer.rows
-        since, before = self._counted
-        if now - since > 1.0:
-            self._rate = (written - before) / (now - since) if since else None
-            self._counted = (now, written)
-        recent = list(self._recent)
-        self.progress(
-            Status(
-                t=max(source.timeline.last or 0.0, 0.0),
-                duration=self.settings.duration,
-                rate=self._rate,
-                written=written,
-                lost=source.timeline.lost,
-                corrupt=source.frames()["corrupt"],
-                unplugged=unplugged,
-                names=source.names,
-                recent=np.concatenate(recent) if recent else np.empty((0, len(source.names))),
-            )
-        )
+        if self.progress is not None and now - self._shown >= _STATUS_PERIOD:
+            self._shown = now
+            self.progress(self.log.status(unplugged))
 
-    # The end --------------------------------------------------------------------------------
-
-    def _end(self, source: FrameSource | TextSource, log: Log) -> None:
+    def _end(self) -> None:
         """Stops the rig and closes the file, whatever happened."""
-        if source.stream == "text" and self.state in ("complete", "interrupted", "silent"):
-            rest = source.last_rows()  # type: ignore[union-attr]
-            if rest is not None:
-                self._take(rest, source, log)
-        if self.state != "unplugged":
-            try:
+        log, state = self.log, self.log.state
+        rest = self.stream.rest() if state in ("complete", "interrupted", "silent") else None
+        if rest is not None:
+            log.take(rest)
+            log.state = state
+        if state != "unplugged":
+            with suppress(Unplugged):
                 self.device.stop()
-            except Unplugged:
-                pass
-        if self.writer is not None:
-            self.writer.close()
-            if self.state == "failed":
-                log.finish(self.state, self.cut)
+        log.close()
 
-    def _finished(self, log: Log) -> Recorded:
-        """Corrects the clock and writes down what there is to say."""
+    def _finished(self) -> Recorded:
+        """Corrects the clock and writes down all there is to say."""
+        log, identity, omega = self.log, self.device.identity, self.omega
         fit = log.clock()
         factor = correction(fit)
         if factor != 1.0:
             scale_time(self.path, factor)
-        commanded = self.device.identity is not None and self.device.identity.drives
-        omega = self.omega if commanded else self.settings.omega
-        if omega and commanded:
+        if omega and identity is not None and identity.drives:
             omega /= factor
-        metadata = log.finish(self.state, self.cut, factor=factor, omega=omega)
-        return Recorded(
-            path=self.path,
-            state=self.state,
-            omega=omega or None,
-            forced=bool(omega),
-            duration=log.duration * factor,
-            metadata=metadata,
-        )
+        metadata = log.save(omega, fit, factor)
+        length = log.duration * factor
+        return Recorded(self.path, log.state, omega or None, bool(omega), length, metadata)

@@ -1,6 +1,6 @@
 """The recording's file, written as the samples come.
 
-Every block of rows goes to the operating system at once and whole: what was handed over is safe
+Every block of rows goes to the operating system at once and whole: all that was handed over is safe
 from the death of this process. A thread of its own asks the system to put it on the disk once a
 second, so that a slow disk never makes the reader wait.
 """
@@ -15,25 +15,14 @@ import numpy as np
 from tp_jax._files import replaced
 from tp_jax.errors import InputError
 
-SYNC_PERIOD = 1.0
-"""Seconds between two requests to put the file on the disk."""
+SYNC_PERIOD = 1.0  # seconds between two requests to put the file on the disk
 
 
 class CsvWriter:
-    """Appends rows to a new file of the contract's format, 17 significant digits.
-
-    Attributes:
-        path: the file.
-        rows: written so far.
-    """
+    """Appends rows to a new file of the contract's format, 17 significant digits; counts `rows`."""
 
     def __init__(self, path: Path, names: Sequence[str]) -> None:
-        """Makes the file and writes the header.
-
-        Raises:
-            InputError: there is such a file already, or the place refuses one.
-        """
-        self.path = path
+        """Makes the file, or raises InputError, and writes the header."""
         self.rows = 0
         self._line = ",".join(["%.17g"] * len(names)) + "\n"
         try:
@@ -50,13 +39,7 @@ class CsvWriter:
         self._thread.start()
 
     def write(self, columns: np.ndarray) -> None:
-        """Appends (n, columns) rows.
-
-        Raises:
-            OSError: the disk is full or gone.
-        """
-        if not len(columns):
-            return
+        """Appends (n, columns) rows; raises OSError where the disk is full or gone."""
         block = memoryview((self._line * len(columns) % tuple(columns.ravel().tolist())).encode())
         while block:  # a pipe or a full disk may take a part
             block = block[os.write(self._fd, block) :]
@@ -87,11 +70,7 @@ def already_there(path: Path) -> str:
 
 
 def scale_time(path: Path, factor: float) -> None:
-    """Multiplies the times of a recording by a factor; the file is replaced at once and whole.
-
-    Raises:
-        OSError: the file system refuses; the file is as it was.
-    """
+    """Multiplies the times of a recording by a factor; the file is replaced at once and whole."""
     with replaced(path) as part, path.open("rb") as source, part.open("wb") as target:
         target.write(source.readline())
         for line in source:

@@ -9,11 +9,11 @@ from tp_jax.cli.arguments import add_common, add_json
 from tp_jax.errors import InputError
 
 if TYPE_CHECKING:
-    from tp_jax.acquisition.calibration import SensorCalibration
-    from tp_jax.acquisition.calibration_run import Run
+    from tp_jax.recordings.calibration import SensorCalibration
+    from tp_jax.recordings.calibration_run import Run
 
 LAWS = ("line", "sine", "sine_cosine")
-"""As in `tp_jax.acquisition.calibration`, which would bring NumPy; a test holds them together."""
+"""As in `tp_jax.recordings.calibration`, which would bring NumPy; a test holds them together."""
 
 SCHEMA = "tp-jax/calibration/1"
 
@@ -59,9 +59,8 @@ def run(args: argparse.Namespace) -> None:
     if any(out.exists() and Path(file).exists() and out.samefile(file) for file in args.files):
         raise InputError(f"The calibration would replace the readings {out}; name another --out.")
 
-    from tp_jax.acquisition.calibration_file import write_calibration
-    from tp_jax.acquisition.calibration_run import calibrate
-    from tp_jax.acquisition.metadata import calibration_entry
+    from tp_jax.recordings.calibration import calibration_entry, write_calibration
+    from tp_jax.recordings.calibration_run import calibrate
 
     calibration, runs = calibrate(args.files, args.law, degrees=args.degrees)
     ready(args.json, out)
@@ -80,7 +79,7 @@ def summary(name: str, sensor: "SensorCalibration", run: "Run") -> str:
     """What a calibration says of one sensor, in a few lines."""
     import numpy as np
 
-    from tp_jax.acquisition.calibration_run import follows_the_angle
+    from tp_jax.recordings.calibration_run import follows_the_angle
 
     low, high = float(run.angles.min()), float(run.angles.max())
     lines = [f"{name}: law {sensor.law}, {run.angles.size} readings, {low:.4g} to {high:.4g} rad"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import numpy as np
 
-    from tp_jax.acquisition.status import Progress, Status
+    from tp_jax.acquisition.run_log import Progress, Status
 
 WIDTH, HEIGHT = 64, 6
 

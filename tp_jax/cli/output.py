@@ -1,7 +1,6 @@
 """Writing results: each file appears whole or not at all, and JSON has no NaN."""
 
 import json
-import math
 import os
 import sys
 import tempfile
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tp_jax import _files
+from tp_jax._files import plain as plain
 from tp_jax.errors import InputError
 
 if TYPE_CHECKING:
@@ -111,25 +111,6 @@ def write_json(target: str | Path, result: Mapping[str, Any]) -> None:
 
 def json_text(result: Any) -> str:
     return json.dumps(plain(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def plain(value: Any) -> Any:
-    """The value in JSON's own types: arrays become lists, NaN and infinities null."""
-    if value is None or isinstance(value, str | bool | int):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(entry) for entry in value]
-    if isinstance(value, set | frozenset):
-        return sorted(plain(entry) for entry in value)
-    if isinstance(value, Path):
-        return str(value)
-    if hasattr(value, "tolist"):  # NumPy's and JAX's scalars and arrays, without importing either
-        return plain(value.tolist())
-    raise TypeError(f"{type(value).__name__} has no form in JSON.")
 
 
 def write_trajectory(target: str | None, trajectory: "Trajectory") -> None:

@@ -25,7 +25,7 @@ from tp_jax.cli.rig import add_rig, rig_arguments
 from tp_jax.errors import InputError
 
 if TYPE_CHECKING:
-    from tp_jax.acquisition.recorded import Recorded
+    from tp_jax.acquisition.run_log import Recorded
 
 EMULATOR = "emulator"
 
@@ -98,13 +98,13 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def run_record(args: argparse.Namespace) -> None:
-    from tp_jax.acquisition.calibration_file import read_calibration
     from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name, unusable
     from tp_jax.acquisition.port import Port
     from tp_jax.acquisition.recorder import check, record, uninterrupted
-    from tp_jax.acquisition.settings import Settings
+    from tp_jax.acquisition.run_log import Settings
     from tp_jax.cli.live import live
     from tp_jax.cli.output import made_folder, ready, write_json
+    from tp_jax.recordings.calibration import read_calibration
 
     virtual = args.port == EMULATOR
     if not virtual:
@@ -186,6 +186,8 @@ def summary(recorded: "Recorded") -> str:
     for sensor, n in samples["clipped"].items():
         if n:
             lines.append(f"{n} readings of {sensor} lie at the end of the converter's range")
+    if recorded.fault is None:  # which says it as well
+        lines += meta["notes"]
     return "\n".join(lines)
 
 

@@ -14,6 +14,8 @@
     colour, noise_colour        correlated noise; what the angles alone say of it
     noise, smooth, holdout      noise levels, starting states, what is never fitted
     calibration_error           how far a calibration may have put the angles off
+    calibration, calibration_run    bridge volts to angles, with errors; one from known angles
+    unwrap                      an angle beyond what a bridge can tell by one reading
     writer                      CSV out
 
 Every fault of the user's files is a `CampaignError`, one sentence that names file, line and mend.

@@ -22,7 +22,7 @@ SENSORS: dict[int, tuple[float, float, float, float, float]] = {
     1: (1.652, 2.61, 1.638, 2.58, 0.012),
     2: (1.641, 2.55, 1.663, 2.6, -0.021),
 }
-"""Sensor -> offset, gain, cosine offset, cosine gain, zero; see `acquisition.calibration`."""
+"""Sensor -> offset, gain, cosine offset, cosine gain, zero; see `recordings.calibration`."""
 
 ERRORS = (5e-4, 1.5e-3, 5e-4, 1.5e-3, 3e-4)
 """Standard errors that are announced with them."""

@@ -1,4 +1,4 @@
-"""Calibrations of the angle sensors as TOML files; `acquisition.calibration_file` shows one."""
+"""Calibrations of the angle sensors as TOML files; `recordings.calibration` shows one."""
 
 from collections.abc import Mapping
 from typing import Any

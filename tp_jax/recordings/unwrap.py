@@ -25,48 +25,40 @@ MOVED = 0.05
 SLOW = 3.0
 """Speed [rad/s] at a fold below which the motion may as well turn round there."""
 
-_LOOK_INSIDE = 0.01
-"""Seconds without samples that make a gap, which is crossed by the speed before it."""
-
-_MEMORY = 0.008
-"""Seconds of the filter."""
-
-_DEAF = 0.02
-"""Squared slope of the reading, 1 in the middle, below which the filter listens less."""
-
-_QUARTER = 0.25 * math.pi
+_LOOK_INSIDE = 0.01  # seconds without samples that make a gap, crossed by the speed before it
+_MEMORY = 0.008  # seconds of the filter
+_DEAF = 0.02  # squared slope of the reading, 1 in the middle, below which the filter listens less
+_FOLD = 0.5 * math.pi  # between two folds
 
 
 class Unwrapper:
     """Follows one angle through a recording.
 
     Attributes:
-        law: of the sensor's calibration.
-        winds: whether the angle may go round and round; otherwise a spring holds it.
         uncertain: times [s] at which the branch was a guess.
     """
 
     def __init__(self, law: str, winds: bool = True) -> None:
-        self.law = law
-        self.winds = winds
+        """
+        Args:
+            law: of the sensor's calibration.
+            winds: whether the angle may go round and round; otherwise a spring holds it.
+        """
+        self.law, self.winds = law, winds
         self.uncertain: list[float] = []
         self._t: float | None = None
-        self._angle = 0.0
-        self._speed = 0.0
-        self._acceleration = 0.0
+        self._angle = self._speed = self._acceleration = 0.0
         self._doubtful = False
 
     def feed(self, t: np.ndarray, principal: np.ndarray) -> np.ndarray:
         """(n,) angles for (n,) principal angles of the law at (n,) rising times."""
         if self.law == "line" or not t.size:
             return principal
-        if t[-1] - t[0] > _LOOK_INSIDE:
-            steps = np.diff(t)
-            breaks = np.flatnonzero(steps > max(_LOOK_INSIDE, 2.5 * steps.min())) + 1
-            if breaks.size:
-                parts = zip(np.split(t, breaks), np.split(principal, breaks), strict=True)
-                return np.concatenate([self._piece(*part) for part in parts])
-        return self._piece(t, principal)
+        steps = np.diff(t)
+        least = steps.min() if steps.size else 0.0
+        breaks = np.flatnonzero(steps > max(_LOOK_INSIDE, 2.5 * least)) + 1
+        parts = zip(np.split(t, breaks), np.split(principal, breaks), strict=True)
+        return np.concatenate([self._piece(*part) for part in parts])
 
     def _piece(self, t: np.ndarray, principal: np.ndarray) -> np.ndarray:
         """As `feed`, where there is no gap but before the first sample."""
@@ -76,12 +68,9 @@ class Unwrapper:
             elif abs(self._speed) * (t[0] - self._t) > MOVED:
                 self.uncertain.append(float(t[0]))
             self._speed = self._acceleration = 0.0
-        if self.law == "sine_cosine":
-            return self._two_bridges(t, principal)
-        pairs = zip(t.tolist(), principal.tolist(), strict=True)
-        return np.array([self._next(*pair) for pair in pairs])
-
-    def _two_bridges(self, t: np.ndarray, principal: np.ndarray) -> np.ndarray:
+        if self.law == "sine":
+            pairs = zip(t.tolist(), principal.tolist(), strict=True)
+            return np.array([self._next(*pair) for pair in pairs])
         angle = np.unwrap(principal, period=np.pi)
         if self._t is not None:
             # over a few missing samples by the speed, where that makes a difference
@@ -96,8 +85,7 @@ class Unwrapper:
         if self._t is None:
             self._t, self._angle = t, principal
             return principal
-        dt = t - self._t
-        self._t = t
+        dt, self._t = t - self._t, t
         going = self._angle + dt * (self._speed + 0.5 * dt * self._acceleration)
         slope = math.cos(2.0 * going)
         error = 0.5 * (math.sin(2.0 * principal) - math.sin(2.0 * going))
@@ -108,10 +96,10 @@ class Unwrapper:
         self._speed += dt * self._acceleration + 1.5 * (1.0 - z * z) * (1.0 - z) * error / dt
         self._acceleration += (1.0 - z) ** 3 * error / (dt * dt)
 
-        # segments of the sine between two folds: rising where even, falling where odd
-        segment = math.floor((self._angle + _QUARTER) / (2.0 * _QUARTER))
+        # pieces of the sine between two folds: rising where even, falling where odd
+        piece = math.floor(self._angle / _FOLD + 0.5)
         doubtful = slope * slope < _DEAF and abs(self._speed) < SLOW
         if doubtful and not self._doubtful:
             self.uncertain.append(t)
         self._doubtful = doubtful
-        return segment * 2.0 * _QUARTER + (principal if segment % 2 == 0 else -principal)
+        return piece * _FOLD + (principal if piece % 2 == 0 else -principal)

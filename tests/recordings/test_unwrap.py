@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tp_jax.acquisition.unwrap import Unwrapper
+from tp_jax.recordings.unwrap import Unwrapper
 
 T = np.arange(0.0, 4.0, 1e-3)
 

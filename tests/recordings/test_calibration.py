@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tp_jax.acquisition import read_calibration, write_calibration
-from tp_jax.acquisition.calibration import Calibration, SensorCalibration, nominal
-from tp_jax.acquisition.calibration_fit import fit_calibration
 from tp_jax.errors import InputError
+from tp_jax.recordings.calibration import Calibration, SensorCalibration, nominal
+from tp_jax.recordings.calibration_run import fit_calibration
 
 VALUES = {
     "line": [1.65, 2.6],
