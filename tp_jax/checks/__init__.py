@@ -4,6 +4,7 @@
     harmonics -> drive        does a run move at its omega; which unit was taken for another
                  rider        is phi2 the rider's angle against the column, and in its sense
     sampling                  samples, noise, clipping, decays that do not decay
+    held_readings             a sensor slower than the file
     survey -> proposal        a campaign.toml for files of unknown make
     -> checking               all of a campaign at once, `check`; what is certain is refused
 

@@ -1,6 +1,7 @@
 """A campaign: the recordings of one rig, as its campaign.toml lists them."""
 
 import os
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -9,11 +10,12 @@ from typing import Any, cast
 
 import numpy as np
 
+from tp_jax.errors import Notice
 from tp_jax.recordings.calibration_error import CalibrationError, read_calibration_error
 from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
 from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
 from tp_jax.recordings.faults import CampaignError
-from tp_jax.recordings.formats import Columns, read_columns
+from tp_jax.recordings.formats import Columns, FileFormat, read_columns
 from tp_jax.recordings.recording import Recording, spanned, within
 
 
@@ -75,6 +77,11 @@ class Campaign:
         return ("phi1", "phi2") if self.model == "double" else ("phi1",)
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What was done to the rows when files were read, each once; a sentence without its end."""
+        return tuple(dict.fromkeys(note for each in self.recordings for note in each.notes))
+
+    @property
     def data_sha256(self) -> dict[str, str]:
         """Name of each file -> SHA-256 of its bytes."""
         return {each.name: each.sha256 for each in self.recordings}
@@ -92,9 +99,15 @@ def load_campaign(
 
     Raises:
         CampaignError: anything that keeps the campaign from being used, in one sentence.
+
+    Warns:
+        Notice: rows of a file were left out, or put elsewhere in time.
     """
     toml, plan = _planned(Path(path), omega, decay)
-    return cast(Campaign, _load(toml, plan, _raise))
+    campaign = cast(Campaign, _load(toml, plan, _raise))
+    for note in campaign.notes:
+        warnings.warn(f"{note}.", Notice, stacklevel=2)
+    return campaign
 
 
 def load_what_can_be(
@@ -215,16 +228,28 @@ def _read_files(plan: Plan, fault: Callable[[CampaignError], None]) -> dict[Path
     for entry in plan.entries:
         if entry.measured_drive and "drive" not in wanted[entry.file]:
             wanted[entry.file].append("drive")
+    own = {entry.file: entry.columns for entry in plan.entries}
     files = {}
     for file, names in wanted.items():
         try:
-            columns = read_columns(file, plan.form, names)
+            columns = read_columns(file, _form(plan.form, own[file]), names)
             check_times(columns)
         except CampaignError as error:
             fault(error)
             continue
         files[file] = columns
     return files
+
+
+def _form(form: FileFormat, own: dict[str, dict[str, Any]]) -> FileFormat:
+    """The format of one file: that of all, and what it has of its own."""
+    if not own:
+        return form
+    changes = {
+        name: {**form.changes.get(name, {}), **own.get(name, {})}
+        for name in {**form.changes, **own}
+    }
+    return replace(form, changes=changes)
 
 
 def _model(toml: Path, plan: Plan, files: dict[Path, Columns]) -> Model:
@@ -287,6 +312,8 @@ def _recording(
         held_out=entry.held_out,
         sha256=columns.sha256,
         calibration_error={name: errors[name] for name in measured if name in errors},
+        sources={name: each for name, each in columns.sources.items() if name in part},
+        notes=columns.notes,
     )
 
 

@@ -2,14 +2,17 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from tp_jax.recordings import clocks, rounding
 from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.entries import Entry
 from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.formats import Columns
 from tp_jax.recordings.noise import noise_level
+from tp_jax.recordings.readings import repeated
 from tp_jax.recordings.recording import Recording
 from tp_jax.recordings.sources import ColumnSource
 
@@ -26,27 +29,80 @@ RATE_TOLERANCE = 0.05
 
 
 def check_times(columns: Columns) -> None:
-    """Faults times that are not finite or do not rise.
+    """Faults times that are not finite, do not rise, or leap by an hour of summer time.
 
     Raises:
-        CampaignError: at the first such row.
+        CampaignError: at the first such row, with what it is by the size of its fall.
     """
     t = columns.values["t"]
     _check_finite(columns, "t", 0, t.size)
+    source = columns.sources.get("t") or ColumnSource("t")
+    counted = None
+    if source.wrap is None:
+        factor = source.factor("t")
+        period = clocks.period_of((t - source.offset) / factor)
+        counted = None if period is None else (period, factor)
+    fall = clocks.fall_of(t, columns.dated, counted and counted[0] * counted[1])
+    if fall is None:
+        _check_repeated(columns)
+        return
+    i = fall.at
+    wrong = f"time runs backwards from {t[i - 1]:g} to {t[i]:g} s"
+    if fall.cause == "counter" and counted is not None:
+        period, factor = counted
+        given: dict[str, Any] = {"wrap": period}
+        unit = clocks.unit_of_step(factor * clocks.usual_step(t))
+        if source.unit is None and factor == 1.0 and unit is not None:
+            given = {"unit": unit, **given}
+        wrong += f", as the clock of a board does that starts anew after {period:.10g}"
+        mend = columns.advice({"t": given})
+    elif fall.cause == "hour":
+        if t[i] > t[i - 1]:
+            wrong = (
+                f"time leaps from {t[i - 1]:g} to {t[i]:g} s, an hour of summer time that begins"
+            )
+        else:
+            wrong += ", an hour of summer time that ends"
+        mend = columns.advice({"t": {"summer_time": True}})
+        if not columns.sources:
+            mend = "give times without summer time"
+    elif fall.cause == "row":
+        rows = [columns.numbers[j] for j in fall.rows]
+        wrong = f"{wrong}{in_rows(rows)}"
+        mend = f"remove the {'row' if len(rows) == 1 else 'rows'}, a gap in time is understood"
+    elif fall.cause == "order":
+        mend = "put the rows in order of time"
+    else:
+        wrong += ", as after a reset of the board or where two logs were joined"
+        mend = "split the file before this line, a file for each run"
+    raise CampaignError(columns.file, wrong, mend, columns.numbers[i])
+
+
+def _check_repeated(columns: Columns) -> None:
+    t = columns.values["t"]
     bad = np.flatnonzero(np.diff(t) <= 0.0)
     if not bad.size:
         return
     i = int(bad[0]) + 1
-    if t[i] == t[i - 1]:
-        again = [columns.numbers[j + 1] for j in bad if t[j + 1] == t[j]]
-        wrong = f"the time {t[i]:g} s is repeated"
-        mend = "remove one of the two rows"
-        if len(again) > 1:
-            wrong = f"the time {t[i]:g} s and others are repeated{in_rows(again)}"
-            mend = "remove one of each two rows"
+    same = repeated(columns.values)
+    quantum = rounding.rounded(t, same)
+    again = [columns.numbers[j + 1] for j in bad]
+    if quantum is not None:
+        raise CampaignError(
+            columns.file,
+            f"times are rounded to {quantum:.3g} s and repeated in {len(again)} rows, and the rows "
+            "do not come evenly or are too few to tell",
+            "write the times with more decimals",
+            columns.numbers[i],
+        )
+    if len(again) == 1:
+        wrong, mend = f"the time {t[i]:g} s is repeated", "remove one of the two rows"
     else:
-        wrong = f"time runs backwards from {t[i - 1]:g} to {t[i]:g} s"
-        mend = "put the rows in order of time, or split the file where a new run begins"
+        wrong = f"the time {t[i]:g} s and others are repeated{in_rows(again)}"
+        mend = "remove one of each two rows"
+        times = np.unique(t).size
+        if len(again) > times:
+            mend = f"keep one of {t.size / times:.3g} rows, the first of each time"
     raise CampaignError(columns.file, wrong, mend, columns.numbers[i])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tp_jax.recordings.calibration_error import CalibrationError
+from tp_jax.recordings.sources import ColumnSource
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,8 @@ class Recording:
             that was cut keep the clock of the whole.
         calibration_error: channel -> how far its calibration may have put it off; channels of
             which that is not known are absent.
+        sources: channel -> where in the file it came from, with its unit; empty without a file.
+        notes: what was done to the rows when they were read, a sentence each, without its end.
     """
 
     name: str
@@ -57,6 +60,8 @@ class Recording:
     sha256: str
     calibration_error: Mapping[str, CalibrationError] = field(default_factory=dict)
     drift_over: tuple[float, float] | None = None
+    sources: Mapping[str, ColumnSource] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("t", "phi1", "phi2", "drive"):

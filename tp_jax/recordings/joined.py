@@ -1,0 +1,104 @@
+"""Rows of names between rows of numbers: two logs in one file."""
+
+import re
+
+import numpy as np
+
+from tp_jax.recordings.cells import number, split
+from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
+from tp_jax.recordings.faults import CampaignError, in_rows
+from tp_jax.recordings.layout import Layout, is_number
+from tp_jax.recordings.lines import Lines
+
+_WORD = re.compile(r"[A-DF-SU-YÀ-ža-df-yΑ-ω°µ%\"]")
+"""What a row of names has, and numbers and dates have not."""
+
+
+def check_joined(lines: Lines, layout: Layout, t: int | None) -> None:
+    """Faults rows of names between rows of numbers.
+
+    Args:
+        lines: of the file.
+        layout: of the file.
+        t: index of the column of times; None where it is not known.
+
+    Raises:
+        CampaignError: at the first of them, with what to do.
+    """
+    groups = _groups(lines, layout)
+    if not groups:
+        return
+    first = groups[0]
+    at = [lines.numbers[i] for group in groups for i in group]
+    again = all(_same(lines, layout, group) for group in groups)
+    on = t is not None and all(_goes_on(lines, layout, t, group) for group in groups)
+    if again and on:
+        wrong = f"the columns' names stand here again{in_rows(at)}, as where logs were joined"
+        mend = "remove the line" if len(at) == 1 else "remove these lines"
+    elif again:
+        wrong = (
+            f"the columns' names stand here again{in_rows(at)}, and the times begin anew, as "
+            "where the logs of two runs were joined"
+        )
+        mend = "split the file before this line, a file for each run"
+    else:
+        told = " ".join(lines.text[first[0]].split())[:60]
+        wrong = (
+            f'other names of columns stand here{in_rows(at)}, "{told}", as where logs were joined'
+        )
+        mend = (
+            "split the file before this line, a file for each run, and give both the same names "
+            "of columns"
+        )
+    raise CampaignError(lines.file, wrong, mend, at[0])
+
+
+def _groups(lines: Lines, layout: Layout) -> list[list[int]]:
+    """Indices of rows of names, those of neighbours together."""
+    groups: list[list[int]] = []
+    for i in range(layout.first + 1, len(lines.text)):
+        if not _WORD.search(lines.text[i]):
+            continue
+        cells = [cell for cell in _cells(lines, layout, i) if cell]
+        if len(cells) < 2 or any(is_number(cell, layout.decimal) for cell in cells):
+            continue
+        if groups and groups[-1][-1] == i - 1:
+            groups[-1].append(i)
+        else:
+            groups.append([i])
+    return groups
+
+
+def _cells(lines: Lines, layout: Layout, i: int) -> list[str]:
+    return split(lines.text[i].lstrip("# "), layout.delimiter)
+
+
+def _same(lines: Lines, layout: Layout, group: list[int]) -> bool:
+    """Whether rows stand above the first row of numbers too, in the same order."""
+    if layout.header_at is None:
+        return False
+    above = [_told(_cells(lines, layout, i)) for i in range(layout.first)]
+    here = [_told(_cells(lines, layout, i)) for i in group]
+    return _told(layout.header) in here and all(each in above for each in here)
+
+
+def _told(cells: list[str]) -> list[str]:
+    told = [cell.strip().lower() for cell in cells]
+    while told and not told[-1]:
+        told.pop()
+    return told
+
+
+def _goes_on(lines: Lines, layout: Layout, t: int, group: list[int]) -> bool:
+    """Whether times rise over the rows of names."""
+    if group[-1] + 1 >= len(lines.text):
+        return True
+    pair = []
+    for i in (group[0] - 1, group[-1] + 1):
+        cells = _cells(lines, layout, i)
+        pair.append(cells[t] if t < len(cells) else "")
+    if all(is_date_or_clock(cell) for cell in pair):
+        seconds, bad = seconds_since_first(pair)
+        return bad is None and bool(seconds[1] > 0.0)
+    values = [number(cell, layout.decimal) for cell in pair]
+    return None not in values and bool(np.diff(np.array(values, dtype=float))[0] > 0.0)
