@@ -46,6 +46,9 @@ POLICY = HeldPolicy()
 _NEAR = 5e-3
 """Rows by which a new reading may seem to come after the row that has it."""
 
+_TOGETHER = 0.5
+"""Rows apart up to which two channels were read at once: neither is known better."""
+
 _TRIED = 12
 """Peaks of a spectrum that are looked at."""
 
@@ -113,7 +116,8 @@ def _even(rows: float, early: float, x: np.ndarray) -> Held:
     first = np.ceil(at - _NEAR).astype(int)
     # where the line is not known well enough the change of the reading tells the row
     new = np.concatenate([[True], x[1:] != x[:-1], [False]])
-    return Held(rows, np.where(~new[first] & new[first + 1], first + 1, first), at)
+    later = (first - at < _NEAR) & ~new[first] & new[first + 1]
+    return Held(rows, first + later, at)
 
 
 def _few_repeated(x: np.ndarray, policy: HeldPolicy) -> Held | None:
@@ -202,10 +206,12 @@ def new_only(
     out = {}
     for name, x in columns.items():
         mine = found.get(name)
-        if mine is slowest or (mine is not None and np.array_equal(mine.at, slowest.at)):
-            out[name] = x[slowest.first]
-        elif mine is not None:
-            out[name] = np.interp(slowest.at, mine.at, x[mine.first])
-        else:
+        if mine is None:
             out[name] = np.interp(slowest.at, rows, x)
+            continue
+        nearest = np.rint(np.interp(slowest.at, mine.at, np.arange(mine.at.size))).astype(int)
+        if np.abs(mine.at[nearest] - slowest.at).max() <= _TOGETHER:  # read at the same time
+            out[name] = x[mine.first[nearest]]
+        else:
+            out[name] = np.interp(slowest.at, mine.at, x[mine.first])
     return np.interp(slowest.at, rows, t), out, slowest.first, found
