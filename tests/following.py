@@ -11,8 +11,9 @@ def follow(folder: Path, told: str) -> None:
         AssertionError: it says nothing that one could do.
     """
     file = re.search(r"([^/\s]+\.csv)(?:, line (\d+))?: ", told)
-    if one := re.search(r"write (\w.*?) for (\w+) under \[format\.columns\]", told):
-        _set(folder, "format.columns", f"{one[2]} = {{ {one[1]} }}")
+    if one := re.search(r"write (\w.*?) for (\w+)(?: and (\w+))? under \[format\.col", told):
+        for column in filter(None, (one[2], one[3])):
+            _set(folder, "format.columns", f"{column} = {{ {one[1]} }}")
     elif under := re.search(r"write (.+) under \[format\.columns\]", told):
         for setting in re.findall(r"\w+ = \{[^}]*\}", under[1]):
             _set(folder, "format.columns", setting)

@@ -291,3 +291,43 @@ def test_the_unit_of_a_step(step, unit):
 def test_settings_that_cannot_be(key, value, says, tmp_path):
     folder = written(tmp_path, T, form=f"[format.columns]\n{key} = {{ {value} }}")
     assert says in check(folder).wrong[0].sentence
+
+
+def decay(rate: float) -> tuple[np.ndarray, ...]:
+    t = np.arange(round(10.0 * rate)) / rate
+    noise = 1e-3 * np.random.default_rng(0).standard_normal((2, t.size))
+    swing = 0.5 * np.exp(-0.3 * t) * np.cos(14.0 * t)
+    return t, swing + noise[0], 0.3 * swing + noise[1]
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e3, "ms"), (1e6, "us")])
+@pytest.mark.parametrize("rate", [100.0, 250.0, 1000.0, 5000.0])
+def test_milliseconds_and_microseconds_of_a_decay_are_named(factor, unit, rate, tmp_path):
+    t, a, b = decay(rate)
+    write_rows(tmp_path / "a.csv", "t,phi1,phi2", factor * t, a, b)
+    (tmp_path / "campaign.toml").write_text('[[recording]]\nfile = "a.csv"\nforced = false\n')
+    (doubt,) = check(tmp_path).doubtful
+    named = {"ms": "milliseconds", "us": "microseconds"}[unit]
+    assert f"probably in {named}" in doubt.sentence
+    follow(tmp_path, doubt.sentence)
+    assert check(tmp_path).findings == ()
+    is_right(tmp_path, t, a)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e3, "ms"), (1e6, "us")])
+def test_milliseconds_and_microseconds_of_a_driven_run_are_refused(factor, unit, tmp_path):
+    folder = written(tmp_path, factor * T)
+    checked = check(folder)
+    (wrong,) = checked.wrong
+    assert f'write unit = "{unit}"' in wrong.sentence
+    assert not any("unit" in each.mend and unit not in each.mend for each in checked.doubtful)
+    follow(folder, wrong.sentence)
+    assert check(folder).findings == ()
+    is_right(folder)
+
+
+def test_a_slow_pendulum_with_one_sample_a_second_is_read(tmp_path):
+    t = np.arange(600.0)
+    write_rows(tmp_path / "a.csv", "t,phi1", t, 0.3 * np.exp(-t / 400) * np.cos(t / 3.0))
+    (tmp_path / "campaign.toml").write_text('[[recording]]\nfile = "a.csv"\nforced = false\n')
+    assert check(tmp_path).wrong == ()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.checks import drive, held_readings, rider, sampling
+from tp_jax.checks import angle_units, drive, held_readings, rider, sampling
 from tp_jax.checks.finding import LEVELS, Finding
 from tp_jax.checks.policy import CheckPolicy
 from tp_jax.errors import InputError
@@ -94,7 +94,13 @@ def examine(campaign: Campaign, policy: CheckPolicy | None = None) -> Checked:
     recordings = campaign.recordings
     driven = drive.shares(recordings, policy.drive)
     found = drive.findings(driven, policy.drive)
-    runs = rider.dragged(driven, policy.drive, policy.rider)
+    units = angle_units.look(recordings, driven, policy.drive, policy.rider, policy.unit)
+    found += units.findings
+    runs = [
+        run
+        for run in rider.dragged(driven, policy.drive, policy.rider)
+        if run.recording.label not in units.labels
+    ]
     found += rider.findings(runs, policy.rider)
     found += _same_angle(campaign)
     found += held_readings.findings(recordings)

@@ -12,7 +12,13 @@ import numpy as np
 
 from tp_jax.errors import Notice
 from tp_jax.recordings.calibration_error import CalibrationError, read_calibration_error
-from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
+from tp_jax.recordings.checks import (
+    check_recording,
+    check_span,
+    check_times,
+    check_values,
+    odd_ones,
+)
 from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
 from tp_jax.recordings.faults import CampaignError
 from tp_jax.recordings.formats import Columns, FileFormat, read_columns
@@ -184,7 +190,7 @@ def _load(toml: Path, plan: Plan, fault: Callable[[CampaignError], None]) -> Cam
     # where the campaign maps columns of its own, the angles are not those that were calibrated
     own = not plan.form.columns
     appearances = Counter(entry.file for entry in plan.entries)
-    entries, recordings = [], []
+    made = []
     for entry in plan.entries:
         if entry.file not in files:
             continue
@@ -193,7 +199,15 @@ def _load(toml: Path, plan: Plan, fault: Callable[[CampaignError], None]) -> Cam
             recording = _recording(toml, entry, files[entry.file], model, errors)
             if appearances[entry.file] > 1 and entry.span is not None:
                 recording = replace(recording, label=spanned(entry.name, entry.span))
-            check_recording(recording, plan.sample_rate, plan.rotates, plan.form.columns)
+        except CampaignError as error:
+            fault(error)
+            continue
+        made.append((entry, recording))
+    odd = None if plan.rotates else odd_ones([each for _, each in made])
+    entries, recordings = [], []
+    for entry, recording in made:
+        try:
+            check_recording(recording, plan.sample_rate, plan.rotates, plan.form.columns, odd)
         except CampaignError as error:
             fault(error)
             continue

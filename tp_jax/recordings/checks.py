@@ -1,6 +1,6 @@
 """Whether the data of a recording can be what they are said to be."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from tp_jax.recordings.entries import Entry
 from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.formats import Columns
 from tp_jax.recordings.noise import noise_level
+from tp_jax.recordings.odd_units import NAMES, Odd, advice, odd_units
 from tp_jax.recordings.readings import repeated
 from tp_jax.recordings.recording import Recording
 from tp_jax.recordings.sources import ColumnSource
@@ -21,6 +22,11 @@ LEAST_SAMPLES = 50
 WIDEST_PHI1 = 12.0
 """Span of phi1 [rad] above which it is taken for degrees: the spring would not stand it. phi2
 has no such bound, the ring may go round and round; nor has phi1 where the column may."""
+
+IF_IT_TURNS = "if the column turns round and round, rotates = true under [rig]"
+
+FINER_PHI2 = 8.0
+"""Times that phi1 may have the noise of phi2 for both to be in one unit; degrees make it 57."""
 
 LEAP = np.pi
 """Way of phi1 [rad] from one sample to the next that no counted turns have."""
@@ -144,6 +150,7 @@ def check_recording(
     sample_rate: float | None,
     rotates: bool = False,
     columns: Mapping[str, ColumnSource] | None = None,
+    odd: Mapping[str, Mapping[str, Odd]] | None = None,
 ) -> None:
     """Faults readings that start anew, degrees, rest, and another sample rate than the campaign's.
 
@@ -152,6 +159,7 @@ def check_recording(
         sample_rate: as the campaign states it [Hz], or None.
         rotates: whether the column may turn round and round.
         columns: where the campaign says that the columns are, for the mend.
+        odd: of `odd_ones`, where this one may be in another unit than the others.
 
     Raises:
         CampaignError: the recording is not what it is said to be.
@@ -161,7 +169,7 @@ def check_recording(
     if rotates:
         _check_turns(recording)
     else:
-        _check_angles(recording)
+        _check_angles(recording, odd)
     _check_motion(recording)
     if sample_rate is None:
         return
@@ -209,22 +217,49 @@ def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
         )
 
 
-def _check_angles(recording: Recording) -> None:
-    width = float(np.ptp(recording.phi1))
-    if width <= WIDEST_PHI1:
+def odd_ones(recordings: Sequence[Recording]) -> dict[str, dict[str, Odd]] | None:
+    """As `odd_units`, where phi1 of some recordings, and not of all, is too wide for radians."""
+    wide = [_too_wide(each) for each in recordings]
+    return odd_units(recordings) if any(wide) and not all(wide) else None
+
+
+def _too_wide(recording: Recording) -> bool:
+    return float(np.ptp(recording.phi1)) > WIDEST_PHI1
+
+
+def _check_angles(recording: Recording, odd: Mapping[str, Mapping[str, Odd]] | None = None) -> None:
+    if not _too_wide(recording):
         return
-    if whole_numbers(recording.phi1):
+    width = float(np.ptp(recording.phi1))
+    counts = whole_numbers(recording.phi1)
+    unit = None if counts else "deg" if np.radians(width) <= WIDEST_PHI1 else "mrad"
+    if odd is not None:  # the others are as they should be, and no unit is to be given for all
+        mine = {channel: each.unit for channel, each in odd.get(recording.label, {}).items()}
+        turns = "" if "phi1" in mine else f"; {IF_IT_TURNS}"
+        mine = {"phi1": unit, **mine}
+        (told, *more) = {NAMES[each] for each in mine.values()}
+        raise CampaignError(
+            recording.file,
+            f"phi1 spans {width:.4g}, too much for radians, in which other recordings are, and is "
+            f"probably in {' and '.join([told, *more])}",
+            f"{advice(recording, mine)}{turns}",
+        )
+    # sensors are alike: where phi2 has far less noise it is in another unit than phi1
+    both = recording.phi2 is None or noise_level(recording.t, recording.phi2) > (
+        noise_level(recording.t, recording.phi1) / FINER_PHI2
+    )
+    which = "phi1 and phi2" if both else "phi1"
+    if counts:
         raise CampaignError(
             recording.file,
             f"phi1 spans {width:.6g} in whole numbers, too much for radians and probably counts "
             "of an encoder",
-            "write counts = N, those of a whole turn, for phi1 and phi2 under [format.columns]",
+            f"write counts = N, those of a whole turn, for {which} under [format.columns]",
         )
     raise CampaignError(
         recording.file,
-        f"phi1 spans {width:.4g}, too much for radians and probably degrees",
-        'write unit = "deg" for phi1 and phi2 under [format.columns]; if the column turns round '
-        "and round, rotates = true under [rig]",
+        f"phi1 spans {width:.4g}, too much for radians and probably {NAMES[unit]}",
+        f'write unit = "{unit}" for {which} under [format.columns]; {IF_IT_TURNS}',
     )
 
 
