@@ -23,6 +23,7 @@ from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
 from tp_jax.recordings.faults import CampaignError
 from tp_jax.recordings.formats import Columns, FileFormat, read_columns
 from tp_jax.recordings.recording import Recording, spanned, within
+from tp_jax.recordings.short import short
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,11 @@ class Campaign:
     sample_rate: float | None
     recordings: tuple[Recording, ...]
     folder: Path
+
+    def __repr__(self) -> str:
+        B1 = "no B1" if self.B1 is None else f"B1={self.B1:.6g}"
+        labels = [each.label for each in self.recordings]
+        return f"Campaign({self.name!r}, {self.model}, {B1}, recordings={short(labels)})"
 
     @staticmethod
     def from_arrays(

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from tp_jax.recordings.gaps import LONGEST_STEP
+from tp_jax.recordings.short import short_fields
 
 HOUR = 3600.0
 """s by which summer time begins and ends."""
@@ -49,6 +50,8 @@ class Fall:
         rows: of the same fault, `at` among them.
         period: in the unit of the times given; NaN but for a counter.
     """
+
+    __repr__ = short_fields
 
     cause: Cause
     at: int

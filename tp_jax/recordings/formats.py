@@ -20,6 +20,7 @@ from tp_jax.recordings.kinds import kind_of
 from tp_jax.recordings.layout import Layout, layout_of
 from tp_jax.recordings.lines import Lines, as_lines, read_bytes, without_separators
 from tp_jax.recordings.readings import readings
+from tp_jax.recordings.short import short_fields
 from tp_jax.recordings.sources import NAMES as NAMES
 from tp_jax.recordings.sources import REQUIRED as REQUIRED
 from tp_jax.recordings.sources import ColumnSource as ColumnSource
@@ -45,6 +46,8 @@ class Columns:
         dated: times were written as dates or clock times.
         notes: what was done to the rows, a sentence each, without its end.
     """
+
+    __repr__ = short_fields
 
     file: Path
     values: Mapping[str, np.ndarray]

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tp_jax.recordings.short import short_fields
+
 
 @dataclass(frozen=True)
 class HeldPolicy:
@@ -62,6 +64,8 @@ class Held:
         first: (k,) indices of the rows in which a new reading stands first.
         at: (k,) when it was new, in rows; at or less than one row before `first`.
     """
+
+    __repr__ = short_fields
 
     rows: float
     first: np.ndarray

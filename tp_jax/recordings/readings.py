@@ -12,6 +12,7 @@ import numpy as np
 from tp_jax.recordings import clocks
 from tp_jax.recordings.held import new_only
 from tp_jax.recordings.rounding import made_even
+from tp_jax.recordings.short import short_fields
 from tp_jax.recordings.sources import ColumnSource
 
 
@@ -24,6 +25,8 @@ class Readings:
         rows: (n,) indices of the rows of cells that they come from.
         notes: what was done to them, a sentence each, without its end.
     """
+
+    __repr__ = short_fields
 
     values: dict[str, np.ndarray]
     rows: np.ndarray

@@ -63,6 +63,20 @@ class Recording:
     sources: Mapping[str, ColumnSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        drive = (
+            "free decay"
+            if not self.forced
+            else "measured drive"
+            if self.omega is None
+            else (f"omega={self.omega:.6g}")
+        )
+        more = ", held out" if self.held_out else ""
+        return (
+            f"Recording({self.label!r}, {' and '.join(self.channels)}, {self.n} samples in "
+            f"{self.duration:.4g} s, {drive}{more})"
+        )
+
     def __post_init__(self) -> None:
         for name in ("t", "phi1", "phi2", "drive"):
             array = getattr(self, name)

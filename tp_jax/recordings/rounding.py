@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from tp_jax.recordings.gaps import LONGEST_STEP
+from tp_jax.recordings.short import short_fields
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class Even:
         quantum: to which they were rounded.
         step: between rows.
     """
+
+    __repr__ = short_fields
 
     t: np.ndarray
     quantum: float

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tp_jax.recordings import clocks, units
+from tp_jax.recordings.short import short_fields
 
 NAMES = ("t", "phi1", "phi2", "drive")
 """The columns a recording can have."""
@@ -40,6 +41,8 @@ class ColumnSource:
     wrap: float | bool | None = None
     minus: str | None = None
     summer_time: bool = False
+
+    __repr__ = short_fields
 
     def factor(self, name: str) -> float:
         """Seconds or radians per unit of the cell, for the column of this name."""
