@@ -175,3 +175,14 @@ def test_a_sensor_with_another_noise_is_no_other_unit(factor, tmp_path):
         if (name == "w18.csv") == (factor > 1.0):
             columns[2] = columns[2] + (extra if factor > 1.0 else 3.0 * extra)
     assert not any(each.kind == "units" for each in check(write(tmp_path, made)).wrong)
+
+
+@pytest.mark.parametrize("omegas", [(8.0, 13.09, 18.0), (3.0, 6.0, 25.0), (5.0, 12.0, 40.0)])
+def test_runs_without_noise_are_in_no_other_unit(omegas, tmp_path):
+    """What is left of a motion in high differences is no noise, and goes with a power of omega."""
+    t = np.arange(2500) / 250.0
+    made = {
+        f"w{w}.csv": [t, 0.4 * np.sin(w * t), 0.28 * np.sin(w * t - 0.75 * np.pi)] for w in omegas
+    }
+    write(tmp_path, made, dict(zip(made, omegas, strict=True)))
+    assert check(tmp_path).findings == ()

@@ -32,12 +32,15 @@ class OddPolicy:
         apart: factor between neighbouring levels of noise from which they are of two groups.
         near: factor by which a ratio may miss that of two units; levels of 2500 samples are known
             to 3 %, and gons are 1.11 degrees.
+        steady: times that the level of every other sample may be that of all; of what was computed,
+            without noise, some motion is left, four times as much and more.
         samples: of a recording that are looked at.
     """
 
     apart: float = 3.0
     near: float = 1.15
-    samples: int = 20_000
+    steady: float = 2.0
+    samples: int = 2500
 
 
 POLICY = OddPolicy()
@@ -66,8 +69,9 @@ def odd_units(
         known = [each for each in recordings if each.label in levels]
         # of two groups that are as large either may be the one that is right
         for usual in _usual(sorted(levels.values()), policy):
-            odd = {each.label: _odd(each, channel, levels[each.label] / usual, policy)
-                   for each in known}  # fmt: skip
+            odd = {
+                each.label: _odd(each, channel, levels[each.label], usual, policy) for each in known
+            }
             if any(odd.values()):
                 for label, each in odd.items():
                     if each is not None:
@@ -76,8 +80,20 @@ def odd_units(
     return found
 
 
-def _odd(recording: Recording, channel: str, ratio: float, policy: OddPolicy) -> Odd | None:
+def _has_noise(recording: Recording, channel: str, level: float, policy: OddPolicy) -> bool:
+    """Whether a level is that of noise, which is the same among every other sample."""
+    part = slice(0, policy.samples, 2)
+    other = noise_level(recording.t[part], recording.channels[channel][part])
+    return other < policy.steady * level
+
+
+def _odd(
+    recording: Recording, channel: str, level: float, usual: float, policy: OddPolicy
+) -> Odd | None:
+    ratio = level / usual
     if 1.0 / policy.apart < ratio < policy.apart:
+        return None
+    if not _has_noise(recording, channel, level, policy):
         return None
     factor = declared(recording, channel)
     if whole_numbers(np.asarray(recording.channels[channel]) / factor):
