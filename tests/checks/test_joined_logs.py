@@ -65,6 +65,41 @@ def test_names_and_units_again(lines, tmp_path):
     is_right(tmp_path)
 
 
+def test_a_second_file_with_its_byte_order_mark(lines, tmp_path):
+    told = spoilt(tmp_path, [*lines[:800], "\ufeff" + lines[0], *lines[800:]])
+    assert "the columns' names stand here again" in told
+    follow(tmp_path, told)
+    is_right(tmp_path)
+
+
+def test_names_that_stand_in_the_middle_only(lines, tmp_path):
+    told = spoilt(tmp_path, [*lines[1:801], lines[0], *lines[801:]])
+    assert "line 801: the columns' names stand here again" in told
+    follow(tmp_path, told)
+    is_right(tmp_path)
+
+
+def test_all_that_a_program_writes_above_its_rows(lines, tmp_path):
+    head = ["bench 3,,", "rate,250,", "remark,the second today,", lines[0]]
+    told = spoilt(tmp_path, [*head, *lines[1:800], *head, *lines[800:]])
+    assert "line 804: the columns' names stand here again, in 4 rows" in told
+    follow(tmp_path, told)
+    is_right(tmp_path)
+
+
+def test_names_between_white_space(lines, tmp_path):
+    rows = [line.replace(",", " ") for line in lines]
+    told = spoilt(tmp_path, [*rows[:600], rows[0], *rows[600:]])
+    follow(tmp_path, told)
+    is_right(tmp_path)
+
+
+def test_a_remark_of_some_words_is_no_row_of_names(lines, tmp_path):
+    rows = [line.replace(",", " ") for line in lines]
+    told = spoilt(tmp_path, [*rows[:600], "the belt was tightened here", *rows[600:]])
+    assert "complete or remove it" in told
+
+
 def test_names_at_the_very_end(lines, tmp_path):
     told = spoilt(tmp_path, [*lines, lines[0]])
     follow(tmp_path, told)

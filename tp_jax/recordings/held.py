@@ -51,6 +51,9 @@ _NEAR = 5e-3
 _TOGETHER = 0.5
 """Rows apart up to which two channels were read at once: neither is known better."""
 
+_LONG = 100_000
+"""Rows whose spectrum is fine enough with less padding."""
+
 _TRIED = 12
 """Peaks of a spectrum that are looked at."""
 
@@ -132,12 +135,13 @@ def _few_repeated(x: np.ndarray, policy: HeldPolicy) -> Held | None:
     """
     same = np.diff(x) == 0.0
     n = same.size
-    power = np.abs(np.fft.rfft(same - same.mean(), 8 * n)) ** 2
-    power[: int(np.ceil(4 * n * policy.repeated))] = 0.0
+    finer = 8 if n < _LONG else 2
+    power = np.abs(np.fft.rfft(same - same.mean(), finer * n)) ** 2
+    power[: int(np.ceil(0.5 * finer * n * policy.repeated))] = 0.0
     top = np.flatnonzero((power > np.roll(power, 1)) & (power >= np.roll(power, -1)))
     # a comb has all its overtones: the lowest that fits is it
     strong = top[power[top] > 0.3 * power.max()][:_TRIED]
-    for apart in 8.0 * n / strong:
+    for apart in float(finer * n) / strong:
         comb = _comb(same, float(apart), policy)
         if comb is None:
             continue

@@ -9,6 +9,8 @@ from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
 from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.layout import Layout, is_number
 from tp_jax.recordings.lines import Lines
+from tp_jax.recordings.sources import NAMES
+from tp_jax.recordings.units import parted
 
 _WORD = re.compile(r"[A-DF-SU-YÀ-ža-df-yΑ-ω°µ%\"]")
 """What a row of names has, and numbers and dates have not."""
@@ -28,10 +30,10 @@ def check_joined(lines: Lines, layout: Layout, t: int | None) -> None:
     groups = _groups(lines, layout)
     if not groups:
         return
-    first = groups[0]
     at = [lines.numbers[i] for group in groups for i in group]
     again = all(_same(lines, layout, group) for group in groups)
     on = t is not None and all(_goes_on(lines, layout, t, group) for group in groups)
+    split = "split the file before this line, a file for each run"
     if again and on:
         wrong = f"the columns' names stand here again{in_rows(at)}, as where logs were joined"
         mend = "remove the line" if len(at) == 1 else "remove these lines"
@@ -40,46 +42,54 @@ def check_joined(lines: Lines, layout: Layout, t: int | None) -> None:
             f"the columns' names stand here again{in_rows(at)}, and the times begin anew, as "
             "where the logs of two runs were joined"
         )
-        mend = "split the file before this line, a file for each run"
+        mend = split
     else:
-        told = " ".join(lines.text[first[0]].split())[:60]
+        told = " ".join(lines.text[groups[0][-1]].split())[:60]
         wrong = (
             f'other names of columns stand here{in_rows(at)}, "{told}", as where logs were joined'
         )
-        mend = (
-            "split the file before this line, a file for each run, and give both the same names "
-            "of columns"
-        )
+        mend = f"{split}, and give both the same names of columns"
     raise CampaignError(lines.file, wrong, mend, at[0])
 
 
 def _groups(lines: Lines, layout: Layout) -> list[list[int]]:
-    """Indices of rows of names, those of neighbours together."""
+    """Indices of rows that are none of numbers, neighbours together, with names among them."""
     groups: list[list[int]] = []
     for i in range(layout.first + 1, len(lines.text)):
         if not _WORD.search(lines.text[i]):
             continue
-        cells = [cell for cell in _cells(lines, layout, i) if cell]
-        if len(cells) < 2 or any(is_number(cell, layout.decimal) for cell in cells):
+        cells = _cells(lines, layout, i)
+        if all(j < len(cells) and is_number(cells[j], layout.decimal) for j in layout.numeric):
             continue
         if groups and groups[-1][-1] == i - 1:
             groups[-1].append(i)
         else:
             groups.append([i])
-    return groups
+    width = len(_cells(lines, layout, layout.first))
+    known = {*NAMES, *_told(layout.header)}
+
+    def are_names(i: int) -> bool:
+        cells = _told(_cells(lines, layout, i))
+        filled = [cell for cell in cells if cell]
+        if len(filled) < 2 or any(is_number(cell, layout.decimal) for cell in filled):
+            return False
+        return len(cells) == width or any(parted(cell)[0] in known for cell in filled)
+
+    return [group for group in groups if any(map(are_names, group))]
 
 
 def _cells(lines: Lines, layout: Layout, i: int) -> list[str]:
-    return split(lines.text[i].lstrip("# "), layout.delimiter)
+    return split(lines.text[i].lstrip("\ufeff# "), layout.delimiter)
 
 
 def _same(lines: Lines, layout: Layout, group: list[int]) -> bool:
-    """Whether rows stand above the first row of numbers too, in the same order."""
-    if layout.header_at is None:
+    """Whether the names above the first row stand there, with nothing new, as units, below."""
+    here = [_told(_cells(lines, layout, i)) for i in group]
+    names = _told(layout.header) or list(NAMES[: len(here[-1])])
+    if names not in here:
         return False
     above = [_told(_cells(lines, layout, i)) for i in range(layout.first)]
-    here = [_told(_cells(lines, layout, i)) for i in group]
-    return _told(layout.header) in here and all(each in above for each in here)
+    return all(each in above for each in here[here.index(names) + 1 :])
 
 
 def _told(cells: list[str]) -> list[str]:
