@@ -331,3 +331,56 @@ def test_a_slow_pendulum_with_one_sample_a_second_is_read(tmp_path):
     write_rows(tmp_path / "a.csv", "t,phi1", t, 0.3 * np.exp(-t / 400) * np.cos(t / 3.0))
     (tmp_path / "campaign.toml").write_text('[[recording]]\nfile = "a.csv"\nforced = false\n')
     assert check(tmp_path).wrong == ()
+
+
+# A board's time since it was switched on ----------------------------------------------------------
+
+
+def campaign_of(folder: Path, begins: dict[str, float], runs=None) -> Path:
+    omegas = dict(zip(begins, (10.0, OMEGA, 17.0), strict=False))
+    for name, begin in begins.items():
+        t, a, b = (runs or made_run)(omega=omegas[name])
+        write_rows(folder / name, "t,phi1,phi2", [f"{x:.6f}" for x in t + begin], a, b)
+    write_toml(folder, omegas)
+    return folder
+
+
+def test_runs_that_begin_from_rest_at_times_of_their_own(tmp_path):
+    campaign_of(tmp_path, {"a.csv": 0.0, "b.csv": 137.123, "c.csv": 2143.4})
+    checked = check(tmp_path)
+    (doubt,) = checked.doubtful
+    assert doubt.sentence.startswith("b.csv, c.csv: times begin at 137.1 s")
+    follow(tmp_path, doubt.sentence)
+    assert check(tmp_path).findings == ()
+    assert [each.t[0] for each in load_campaign(tmp_path).recordings] == [0.0, 0.0, 0.0]
+
+
+def test_counters_of_several_files_begin_at_their_runs(tmp_path):
+    for i, name in enumerate(("a.csv", "b.csv")):
+        cells = (MICROS + 1.7e9 * (i + 1) + 8.9e8) % BITS32  # the second starts anew
+        write_rows(tmp_path / name, "t,phi1,phi2", cells_of(cells), A, B)
+    write_toml(tmp_path, {"a.csv": OMEGA, "b.csv": OMEGA})
+    mended(tmp_path)
+    assert check(tmp_path).doubtful == ()
+    with pytest.warns(Notice, match="from the first row"):
+        both = load_campaign(tmp_path).recordings
+    for recording in both:
+        np.testing.assert_allclose(recording.t, T, atol=1e-6)
+
+
+def swinging(**given) -> tuple[np.ndarray, ...]:
+    t, a, b = made_run(n=3500, **given)
+    return t[1000:] - t[1000], a[1000:], b[1000:]
+
+
+@pytest.mark.parametrize(
+    ("begins", "runs"),
+    [
+        ({"a.csv": 0.0, "b.csv": 0.0}, None),
+        ({"a.csv": 137.123}, None),  # its phase is found
+        ({"a.csv": 0.0, "b.csv": 4.8}, swinging),  # cut from a run that goes on
+        ({"a.csv": 0.004, "b.csv": 0.0}, None),
+    ],
+)
+def test_other_beginnings_are_no_matter(begins, runs, tmp_path):
+    assert check(campaign_of(tmp_path, begins, runs)).doubtful == ()

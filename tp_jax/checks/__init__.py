@@ -6,6 +6,7 @@
                  angle_units  is an angle in another unit, in one file or in all
     sampling                  samples, noise, clipping, decays that do not decay
     held_readings             a sensor slower than the file
+    starts                    runs that begin at times of their own
     survey -> proposal        a campaign.toml for files of unknown make
     -> checking               all of a campaign at once, `check`; what is certain is refused
 

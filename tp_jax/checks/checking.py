@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.checks import angle_units, drive, held_readings, rider, sampling
+from tp_jax.checks import angle_units, drive, held_readings, rider, sampling, starts
 from tp_jax.checks.finding import LEVELS, Finding
 from tp_jax.checks.policy import CheckPolicy
 from tp_jax.errors import InputError
@@ -104,6 +104,7 @@ def examine(campaign: Campaign, policy: CheckPolicy | None = None) -> Checked:
     found += rider.findings(runs, policy.rider)
     found += _same_angle(campaign)
     found += held_readings.findings(recordings)
+    found += starts.findings(recordings, policy.start)
     for recording in recordings:
         found += sampling.findings(recording, policy.sampling, policy.clip)
     found += [Finding("read", "mended", (), note, "") for note in campaign.notes]

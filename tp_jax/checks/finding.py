@@ -16,7 +16,7 @@ class Finding:
 
     Attributes:
         kind: what was looked at: "file", "units", "frequency", "rider", "clipped", "sampling",
-            "motion", "held", "read".
+            "motion", "held", "clock", "read".
         level: "wrong" is refused, "doubtful" is told, "mended" was mended when the file was read.
         recordings: labels of those it is about.
         wrong: what it is, as part of a sentence.

@@ -126,6 +126,26 @@ class SamplingPolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class StartPolicy:
+    """Whether runs begin at times of their own.
+
+    Attributes:
+        phase: rad of the drive by which the beginnings of two runs differ.
+        part: of a period at the beginning in which a run from rest has not yet moved.
+        samples: that there must be in it.
+        noise: levels of noise within which a column is at rest.
+        way: of phi1's standard deviation that it may have gone; one that swings goes further,
+            about its turning points too.
+    """
+
+    phase: float = 0.3
+    part: float = 0.1
+    samples: int = 3
+    noise: float = 5.0
+    way: float = 0.04
+
+
+@dataclasses.dataclass(frozen=True)
 class CheckPolicy:
     """All of them."""
 
@@ -133,4 +153,5 @@ class CheckPolicy:
     rider: RiderPolicy = RiderPolicy()
     unit: UnitPolicy = UnitPolicy()
     clip: ClipPolicy = ClipPolicy()
+    start: StartPolicy = StartPolicy()
     sampling: SamplingPolicy = SamplingPolicy()

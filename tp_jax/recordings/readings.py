@@ -92,8 +92,10 @@ def _times(
         if at.size:
             notes.append(
                 f"the clock starts anew {_times_over(at.size)} after {period:.10g}, and was "
-                "counted on (unwrapped)"
+                "counted on (unwrapped) from the first row"
             )
+    if source.wrap is not None:  # a board's time since it was switched on is that of no run
+        t = t - (t[0] - source.offset)
     if source.summer_time:
         t, at = clocks.without_hours(t, dated)
         if at.size:
