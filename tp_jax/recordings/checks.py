@@ -80,7 +80,10 @@ def check_times(columns: Columns) -> None:
         mend = "put the rows in order of time"
     else:
         wrong += ", as after a reset of the board or where two logs were joined"
-        mend = "split the file before this line, a file for each run"
+        mend = (
+            "split the file before this line, a file for each run, and leave out a driven one that "
+            "begins in motion"
+        )
     raise CampaignError(columns.file, wrong, mend, columns.numbers[i])
 
 
