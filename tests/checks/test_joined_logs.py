@@ -97,7 +97,16 @@ def test_names_between_white_space(lines, tmp_path):
 def test_a_remark_of_some_words_is_no_row_of_names(lines, tmp_path):
     rows = [line.replace(",", " ") for line in lines]
     told = spoilt(tmp_path, [*rows[:600], "the belt was tightened here", *rows[600:]])
-    assert "complete or remove it" in told
+    assert "line 601: words stand here and no numbers" in told
+    follow(tmp_path, told)
+    is_right(tmp_path)
+
+
+def test_what_a_board_writes_that_was_reset(lines, tmp_path):
+    boot = ["rst cause:2, boot mode:(3,6)", "ready"]
+    told = spoilt(tmp_path, [*lines[:1001], *boot, *lines[1:1500]])
+    assert "line 1002: words stand here and no numbers, in 2 rows, lines 1002, 1003" in told
+    assert "as after a reset of the board; remove these lines, and split the file there" in told
 
 
 def test_names_at_the_very_end(lines, tmp_path):
@@ -171,8 +180,9 @@ def test_init_names_the_line(lines, tmp_path, capsys):
     assert "remove the line." in told
 
 
-def test_a_row_of_one_word_is_told_as_before(lines, tmp_path):
-    assert "complete or remove it" in spoilt(tmp_path, [*lines[:900], "restart", *lines[900:]])
+def test_a_row_of_one_word(lines, tmp_path):
+    told = spoilt(tmp_path, [*lines[:900], "restart", *lines[900:]])
+    assert 'line 901: words stand here and no numbers, "restart"; remove the line.' in told
 
 
 # Separators only ----------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.following import follow
 from tests.made_runs import OMEGA, made_run, write_rows, write_toml
 from tp_jax.checks import check
 from tp_jax.checks.proposal import propose
@@ -123,8 +124,13 @@ def test_rows_that_were_written_often_are_no_rounded_times(times, tmp_path):
     (wrong,) = check(written(tmp_path, [f"{x:.3f}" for x in t], a, b)).wrong
     assert "rounded" not in wrong.sentence
     assert "repeated" in wrong.sentence
-    says = "one of each two rows" if times == 2 else f"keep one of {times} rows"
-    assert says in wrong.sentence
+    assert f"keep one of {times} rows" in wrong.sentence
+    follow(tmp_path, wrong.sentence)
+    assert check(tmp_path).wrong == ()
+    with pytest.warns(Notice, match=f"600 of {600 * times} rows were kept"):
+        (recording,) = load_campaign(tmp_path).recordings
+    np.testing.assert_allclose(recording.t, T[:600], atol=1e-9)
+    np.testing.assert_allclose(recording.phi1, A[:600], atol=1e-8)
 
 
 EXACT = {

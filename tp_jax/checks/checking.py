@@ -107,6 +107,16 @@ def examine(campaign: Campaign, policy: CheckPolicy | None = None) -> Checked:
     found += starts.findings(recordings, policy.start)
     for recording in recordings:
         found += sampling.findings(recording, policy.sampling, policy.clip)
+    # of a motion in another unit nothing else can be said
+    odd = {label for each in found if each.kind == "units" and each.level == "wrong"
+           for label in each.recordings}  # fmt: skip
+    found = [
+        each
+        for each in found
+        if each.level == "wrong"
+        or each.kind not in ("units", "sampling", "clock")
+        or not odd.issuperset(each.recordings)
+    ]
     found += [Finding("read", "mended", (), note, "") for note in campaign.notes]
     found.sort(key=lambda each: LEVELS.index(each.level))
     return Checked(campaign, tuple(found), {d.recording.label: d.share for d in driven})

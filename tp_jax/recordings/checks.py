@@ -25,6 +25,9 @@ has no such bound, the ring may go round and round; nor has phi1 where the colum
 
 IF_IT_TURNS = "if the column turns round and round, rotates = true under [rig]"
 
+OFTEN = 0.05
+"""Share of rows that repeat the one before from which they are too many to be removed by hand."""
+
 FINER_PHI2 = 8.0
 """Times that phi1 may have the noise of phi2 for both to be in one unit; degrees make it 57."""
 
@@ -109,9 +112,9 @@ def _check_repeated(columns: Columns) -> None:
     else:
         wrong = f"the time {t[i]:g} s and others are repeated{in_rows(again)}"
         mend = "remove one of each two rows"
-        times = np.unique(t).size
-        if len(again) > times:
-            mend = f"keep one of {t.size / times:.3g} rows, the first of each time"
+        if len(again) > OFTEN * t.size and np.all(same[bad]):
+            often = t.size / np.unique(t).size
+            mend = f"keep one of {often:.3g} rows, as held = true under [format] does"
     raise CampaignError(columns.file, wrong, mend, columns.numbers[i])
 
 

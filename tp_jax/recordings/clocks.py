@@ -15,13 +15,16 @@ from tp_jax.recordings.short import short_fields
 HOUR = 3600.0
 """s by which summer time begins and ends."""
 
+_BITS = (16, 24, 31, 32)
+
 PERIODS = (
-    *(ticks * unit for ticks in (2.0**16, 2.0**31, 2.0**32) for unit in (1.0, 1e-3, 1e-6)),
-    86400.0, 86400e3,
-)  # fmt: skip
+    *(2.0**bits * unit for bits in _BITS for unit in (1.0, 1e-3, 1e-6)),
+    86400.0,
+    86400e3,
+)
 """After how many of a file's own units clocks start anew.
 
-Counters of 16, 31 and 32 bits, as they are or as their microseconds are written in milliseconds or
+Counters of so many bits, as they are or as their microseconds are written in milliseconds or
 seconds, and the seconds and milliseconds of a day.
 """
 

@@ -15,6 +15,9 @@ from tp_jax.recordings.units import parted
 _WORD = re.compile(r"[A-DF-SU-YÀ-ža-df-yΑ-ω°µ%\"]")
 """What a row of names has, and numbers and dates have not."""
 
+_NAME = re.compile(r"[^\W\d][\w .-]*(?:[\[(/].*)?")
+"""A name of a column, with or without its unit."""
+
 
 def check_joined(lines: Lines, layout: Layout, t: int | None) -> None:
     """Faults rows of names between rows of numbers.
@@ -28,11 +31,13 @@ def check_joined(lines: Lines, layout: Layout, t: int | None) -> None:
         CampaignError: at the first of them, with what to do.
     """
     groups = _groups(lines, layout)
-    if not groups:
+    named = [group for group in groups if any(_names(lines, layout, i) for i in group)]
+    if not named:
+        _check_text(lines, layout, t, groups)
         return
-    at = [lines.numbers[i] for group in groups for i in group]
-    again = all(_same(lines, layout, group) for group in groups)
-    on = t is not None and all(_goes_on(lines, layout, t, group) for group in groups)
+    at = [lines.numbers[i] for group in named for i in group]
+    again = all(_same(lines, layout, group) for group in named)
+    on = t is not None and all(_goes_on(lines, layout, t, group) for group in named)
     split = "split the file before this line, a file for each run"
     if again and on:
         wrong = f"the columns' names stand here again{in_rows(at)}, as where logs were joined"
@@ -44,7 +49,7 @@ def check_joined(lines: Lines, layout: Layout, t: int | None) -> None:
         )
         mend = split
     else:
-        told = " ".join(lines.text[groups[0][-1]].split())[:60]
+        told = " ".join(lines.text[named[0][-1]].split())[:60]
         wrong = (
             f'other names of columns stand here{in_rows(at)}, "{told}", as where logs were joined'
         )
@@ -52,30 +57,55 @@ def check_joined(lines: Lines, layout: Layout, t: int | None) -> None:
     raise CampaignError(lines.file, wrong, mend, at[0])
 
 
+def _check_text(lines: Lines, layout: Layout, t: int | None, groups: list[list[int]]) -> None:
+    """Faults rows of words, as a board writes them that was reset."""
+    if not groups:
+        return
+    at = [lines.numbers[i] for group in groups for i in group]
+    on = t is None or all(_goes_on(lines, layout, t, group) for group in groups)
+    told = " ".join(lines.text[groups[0][0]].split())[:60]
+    remove = "remove the line" if len(at) == 1 else "remove these lines"
+    raise CampaignError(
+        lines.file,
+        f'words stand here and no numbers{in_rows(at)}, "{told}"'
+        + ("" if on else ", and the times begin anew, as after a reset of the board"),
+        remove if on else f"{remove}, and split the file there, a file for each run",
+        at[0],
+    )
+
+
 def _groups(lines: Lines, layout: Layout) -> list[list[int]]:
-    """Indices of rows that are none of numbers, neighbours together, with names among them."""
+    """Indices of rows without any number in a column of numbers, neighbours together."""
     groups: list[list[int]] = []
     for i in range(layout.first + 1, len(lines.text)):
         if not _WORD.search(lines.text[i]):
             continue
         cells = _cells(lines, layout, i)
-        if all(j < len(cells) and is_number(cells[j], layout.decimal) for j in layout.numeric):
-            continue
+        if any(j < len(cells) and is_number(cells[j], layout.decimal) for j in layout.numeric):
+            if not (groups and groups[-1][-1] == i - 1 and _partly(cells, layout)):
+                continue
         if groups and groups[-1][-1] == i - 1:
             groups[-1].append(i)
         else:
             groups.append([i])
-    width = len(_cells(lines, layout, layout.first))
+    return groups
+
+
+def _partly(cells: list[str], layout: Layout) -> bool:
+    """Whether a number is missing in a column of them, as in a title with a number in it."""
+    return not all(j < len(cells) and is_number(cells[j], layout.decimal) for j in layout.numeric)
+
+
+def _names(lines: Lines, layout: Layout, i: int) -> bool:
+    """Whether a row holds names of columns."""
+    cells = _told(_cells(lines, layout, i))
+    filled = [cell for cell in cells if cell]
+    if len(filled) < 2 or any(is_number(cell, layout.decimal) for cell in filled):
+        return False
     known = {*NAMES, *_told(layout.header)}
-
-    def are_names(i: int) -> bool:
-        cells = _told(_cells(lines, layout, i))
-        filled = [cell for cell in cells if cell]
-        if len(filled) < 2 or any(is_number(cell, layout.decimal) for cell in filled):
-            return False
-        return len(cells) == width or any(parted(cell)[0] in known for cell in filled)
-
-    return [group for group in groups if any(map(are_names, group))]
+    width = len(_cells(lines, layout, layout.first))
+    alike = len(cells) == width and all(_NAME.fullmatch(cell) for cell in filled)
+    return alike or any(cell in known or parted(cell)[0] in known for cell in filled)
 
 
 def _cells(lines: Lines, layout: Layout, i: int) -> list[str]:

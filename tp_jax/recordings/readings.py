@@ -61,6 +61,13 @@ def readings(
         usable = bool(np.all(np.diff(values["t"]) > 0.0)) and all(
             np.isfinite(each).all() for each in values.values()
         )
+        once = _once(values, angles) if held and angles and not usable else None
+        if once is not None:
+            values, kept = once
+            notes.append(
+                f"{kept.size} of {rows.size} rows were kept, the first of each time and readings"
+            )
+            return _readings(file, sources, values, kept, notes)
         found = new_only(values["t"], angles) if held and angles and usable else None
         if found is not None:
             values["t"], angles, rows, which = found
@@ -71,12 +78,38 @@ def readings(
                 f"readings come {rate:.4g} times a second, and one of {slowest.rows:.4g} rows was "
                 f"kept, {rows.size} of {next(iter(cells.values())).size}"
             )
+    return _readings(file, sources, values, rows, notes)
+
+
+def _readings(
+    file: Path,
+    sources: Mapping[str, ColumnSource],
+    values: dict[str, np.ndarray],
+    rows: np.ndarray,
+    notes: list[str],
+) -> Readings:
+    """What a column is counted from is taken off."""
     absolute = dict(values)
     for name in values:
         minus = sources[name].minus
         if minus is not None:
             values[name] = absolute[name] - absolute[minus]
     return Readings(values, rows, tuple(f"{file}: {note}" for note in notes))
+
+
+def _once(
+    values: Mapping[str, np.ndarray], angles: Mapping[str, np.ndarray]
+) -> tuple[dict[str, np.ndarray], np.ndarray] | None:
+    """The rows without those that repeat time and readings of the one before; None: there are none.
+
+    Times must rise then.
+    """
+    t = values["t"]
+    new = np.concatenate([[True], ~(repeated(angles) & (t[1:] == t[:-1]))])
+    rows = np.flatnonzero(new)
+    if rows.size == t.size or not np.all(np.diff(t[rows]) > 0.0):
+        return None
+    return {name: column[rows] for name, column in values.items()}, rows
 
 
 def _times(
@@ -102,6 +135,7 @@ def _times(
             notes.append("an hour of summer time was taken off the times")
     even, quantum = even_times(t, cells)
     if quantum is not None:
+        even = even - even[0] if dated else even  # dates count from the first
         step = float(np.median(np.diff(even)))
         notes.append(
             f"times are rounded to {quantum:.3g} s, and the rows, which come evenly, were put "
