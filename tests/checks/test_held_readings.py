@@ -112,6 +112,25 @@ def test_files_with_other_rates_and_one_that_is_as_it_should_be(tmp_path):
     assert sizes == [500, 500, 1000, 2500]
 
 
+def test_the_rate_that_the_rig_states_is_that_of_the_rows(tmp_path):
+    folder = written(tmp_path, slow(50.0)[0])
+    toml = folder / "campaign.toml"
+    toml.write_text(toml.read_text().replace("[[rec", "[rig]\nsample_rate = 250.0\n[[rec", 1))
+    follow(folder, told(folder))
+    assert check(folder).wrong == ()
+
+
+@pytest.mark.parametrize("rate", [50.0, 100.0, 125.0, 200.0])
+def test_steps_of_held_readings_are_no_noise_of_another_unit(rate, tmp_path):
+    """In one run the rider sticks: in the others each step is as large as its motion."""
+    for i, name in enumerate(("a.csv", "b.csv", "c.csv")):
+        t, a, b = slow(rate, seed=i)[0]
+        rest = 0.02 * b + 0.0 if name == "a.csv" else b
+        write_rows(tmp_path / name, "t,phi1,phi2", t, a, rest)
+    write_toml(tmp_path, dict.fromkeys(("a.csv", "b.csv", "c.csv"), OMEGA))
+    assert [each.kind for each in check(tmp_path).wrong] == ["held"]
+
+
 def test_init_writes_it(tmp_path):
     written(tmp_path, slow(50.0)[0])
     (tmp_path / "campaign.toml").unlink()

@@ -9,12 +9,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from tp_jax.checks.drive import Driven
 from tp_jax.checks.finding import Finding, Level
 from tp_jax.checks.policy import DrivePolicy, RiderPolicy, UnitPolicy
 from tp_jax.checks.rider import Dragged, dragged
 from tp_jax.recordings import Recording, noise_level
-from tp_jax.recordings.odd_units import NAMES, Odd, advice, declared, odd_units
+from tp_jax.recordings.odd_units import NAMES, POLICY, Odd, advice, declared, levels_of, odd_units
 from tp_jax.recordings.units import ANGLE
 
 
@@ -42,7 +44,11 @@ def look(
     runs = dragged(driven, drive, rider, moving=0.0)
     scales = {run.recording.label: each for run in runs if (each := scale_of(run.h, policy))}
     seen = odd_units(recordings)
-    found = {label: odd for label, odd in seen.items() if _certain(odd, scales.get(label), policy)}
+    found = {
+        each.label: odd
+        for each in recordings
+        if (odd := seen.get(each.label)) and _certain(each, odd, scales.get(each.label), policy)
+    }
     large = {
         run.recording.label: unit
         for run in runs
@@ -53,17 +59,19 @@ def look(
     whole = None
     if not found and not large:
         whole = _finer(recordings, scales, policy)
-    elif not found and not rest and len({*large.values()}) == 1:
+    elif not found and len({*large.values()}) == 1 and (not rest or _one_noise(recordings)):
         whole = _of_column("phi2", next(iter(large.values())), recordings)
     if whole is not None:
         return Looked([whole], frozenset(each.label for each in recordings))
     for label, unit in large.items():
         found[label] = {"phi2": Odd(unit, scales[label])}
     findings = [
-        _of_file(each, found[each.label], "wrong") for each in recordings if each.label in found
+        _of_file(each, found[each.label], "wrong", "rider" if each.label in large else "noise")
+        for each in recordings
+        if each.label in found
     ]
     findings += [
-        _of_file(each, seen[each.label], "doubtful")
+        _of_file(each, seen[each.label], "doubtful", "noise")
         for each in recordings
         if each.label in seen and each.label not in found
     ]
@@ -78,9 +86,25 @@ def scale_of(h: complex, policy: UnitPolicy) -> float | None:
     return abs(h) / right if right > policy.clear else None
 
 
-def _certain(odd: Mapping[str, Odd], scale: float | None, policy: UnitPolicy) -> bool:
+def _one_noise(recordings: Sequence[Recording]) -> bool:
+    """Whether phi2 has the same noise in all files, and is in one unit then, known or not."""
+    levels = [level for level, _ in levels_of(recordings, "phi2").values()]
+    return len(levels) == len(recordings) and max(levels) < POLICY.apart * min(levels)
+
+
+def _certain(
+    recording: Recording, odd: Mapping[str, Odd], scale: float | None, policy: UnitPolicy
+) -> bool:
     """Whether noise that is another suffices: somewhat less of it may be that of a body at rest."""
-    if all(each.ratio > 1.0 or each.ratio < 1.0 / policy.at_rest for each in odd.values()):
+
+    def moves(channel: str) -> bool:
+        x = recording.channels[channel]
+        return float(np.std(x)) > policy.at_rest * noise_level(recording.t, x)
+
+    if all(
+        each.ratio > 1.0 or each.ratio < 1.0 / policy.at_rest or moves(channel)
+        for channel, each in odd.items()
+    ):
         return True
     if len(odd) == 2 and len({each.unit for each in odd.values()}) == 1:
         return True
@@ -140,17 +164,17 @@ def _of_column(channel: str, unit: str, recordings: Sequence[Recording]) -> Find
     )  # fmt: skip
 
 
-def _of_file(recording: Recording, odd: Mapping[str, Odd], level: Level) -> Finding:
+def _of_file(recording: Recording, odd: Mapping[str, Odd], level: Level, by: str) -> Finding:
     first, *more = odd
     names = " and ".join([first, *more])
-    told = " and ".join(dict.fromkeys(NAMES[each.unit] for each in odd.values()))
+    told = " and ".join(dict.fromkeys(each.named for each in odd.values()))
     verb = ("are" if more else "is") if level == "wrong" else "may be"
     ratio = odd[first].ratio
     size = f"{ratio:.3g} times too large" if ratio > 1.0 else f"{1 / ratio:.3g} times too small"
     mend = advice(recording, {channel: each.unit for channel, each in odd.items()})
     return Finding(
         "units", level, (recording.label,),
-        f"{names} {verb} in {told} and not as in the other recordings, {size} by the noise",
+        f"{names} {verb} in {told} and not as in the other recordings, {size} by the {by}",
         mend if level == "wrong" else f"{mend} if so",
         {f"ratio_{channel}": each.ratio for channel, each in odd.items()},
     )  # fmt: skip

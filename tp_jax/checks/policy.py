@@ -70,7 +70,8 @@ class UnitPolicy:
         near: factor by which a rider may miss the half circle; degrees and gons are alike to it.
         larger: times that H must be too far for another unit; mirrored or against the base it is
             3 times at most.
-        at_rest: times that the noise of a body at rest may be less than that of one that moves.
+        at_rest: times that the noise of a body at rest may be less than that of one that moves, and
+            that a motion must exceed its noise not to be one of a body at rest.
         alike: factor by which the noise of two sensors of one rig may differ.
     """
 

@@ -208,12 +208,13 @@ def _load(toml: Path, plan: Plan, fault: Callable[[CampaignError], None]) -> Cam
         except CampaignError as error:
             fault(error)
             continue
-        made.append((entry, recording))
-    odd = None if plan.rotates else odd_ones([each for _, each in made])
+        made.append((entry, recording, files[entry.file].thinned))
+    odd = None if plan.rotates else odd_ones([each for _, each, _ in made])
     entries, recordings = [], []
-    for entry, recording in made:
+    for entry, recording, thinned in made:
+        rate = None if thinned else plan.sample_rate  # which is that of the rows
         try:
-            check_recording(recording, plan.sample_rate, plan.rotates, plan.form.columns, odd)
+            check_recording(recording, rate, plan.rotates, plan.form.columns, odd)
         except CampaignError as error:
             fault(error)
             continue

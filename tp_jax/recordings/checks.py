@@ -240,10 +240,14 @@ def _check_angles(recording: Recording, odd: Mapping[str, Mapping[str, Odd]] | N
     counts = whole_numbers(recording.phi1)
     unit = None if counts else "deg" if np.radians(width) <= WIDEST_PHI1 else "mrad"
     if odd is not None:  # the others are as they should be, and no unit is to be given for all
-        mine = {channel: each.unit for channel, each in odd.get(recording.label, {}).items()}
-        turns = "" if "phi1" in mine else f"; {IF_IT_TURNS}"
-        mine = {"phi1": unit, **mine}
-        (told, *more) = {NAMES[each] for each in mine.values()}
+        known = odd.get(recording.label, {})
+        turns = "" if "phi1" in known else f"; {IF_IT_TURNS}"
+        alike = known.get("phi2")
+        if alike is not None and alike.unit in ("deg", "gon") and unit == "deg":
+            unit = alike.unit  # of two sensors of one file
+        known = {"phi1": Odd(unit, 1.0), **known}
+        mine = {channel: each.unit for channel, each in known.items()}
+        told, *more = dict.fromkeys(each.named for each in known.values())
         raise CampaignError(
             recording.file,
             f"phi1 spans {width:.4g}, too much for radians, in which other recordings are, and is "

@@ -45,6 +45,7 @@ class Columns:
         form: the format it was read by.
         dated: times were written as dates or clock times.
         notes: what was done to the rows, a sentence each, without its end.
+        thinned: of rows that say the same only one was kept.
     """
 
     __repr__ = short_fields
@@ -58,6 +59,7 @@ class Columns:
     form: FileFormat = field(default_factory=FileFormat)
     dated: bool = False
     notes: tuple[str, ...] = ()
+    thinned: bool = False
 
     def advice(self, changes: Mapping[str, Mapping[str, Any]], alone: bool = False) -> str:
         """What to write in a campaign.toml for columns to be read with other settings.
@@ -134,6 +136,7 @@ def read_columns(
         form=form,
         dated=dated,
         notes=(*empty_rows(file, left_out, lines.numbers[layout.first]), *read.notes),
+        thinned=read.rows.size < len(numbers),
     )
 
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tp_jax.recordings.encoder import whole_numbers
-from tp_jax.recordings.noise import noise_level
+from tp_jax.recordings.held import held
+from tp_jax.recordings.noise import noise_level, noise_level_and_error
 from tp_jax.recordings.recording import Recording
 from tp_jax.recordings.units import ANGLE
 
@@ -21,7 +22,7 @@ NAMES: Mapping[str | None, str] = {
 """Units in words."""
 
 UNITS = ("rad", "deg", "gon", "mrad", "turn")
-"""What angles are in, each by one name; degrees are right where gons are as likely."""
+"""What angles are in, each by one name."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,9 @@ class OddPolicy:
 
     Attributes:
         apart: factor between neighbouring levels of noise from which they are of two groups.
-        near: factor by which a ratio may miss that of two units; levels of 2500 samples are known
-            to 3 %, and gons are 1.11 degrees.
+        near: factor by which a ratio may miss that of two units.
+        rarer: times that sensors in degrees are as frequent as those in gons; a ratio must tell
+            them, which are 1.11 degrees, apart by more.
         steady: times that the level of every other sample may be that of all; of what was computed,
             without noise, some motion is left, four times as much and more.
         samples: of a recording that are looked at.
@@ -39,6 +41,7 @@ class OddPolicy:
 
     apart: float = 3.0
     near: float = 1.15
+    rarer: float = 20.0
     steady: float = 2.0
     samples: int = 2500
 
@@ -53,10 +56,18 @@ class Odd:
     Attributes:
         unit: name of it; None: counts of an encoder.
         ratio: of its noise to that of the others.
+        perhaps: a unit that the ratio does not exclude.
     """
 
     unit: str | None
     ratio: float
+    perhaps: str | None = None
+
+    @property
+    def named(self) -> str:
+        """The unit in words, "degrees"."""
+        other = f" (or {NAMES[self.perhaps]}, the noise does not tell)" if self.perhaps else ""
+        return NAMES[self.unit] + other
 
 
 def odd_units(
@@ -65,7 +76,7 @@ def odd_units(
     """Label of a recording -> channel -> what it is in, for those that are in another unit."""
     found: dict[str, dict[str, Odd]] = {}
     for channel in ("phi1", "phi2"):
-        levels = _levels(recordings, channel, policy)
+        levels = levels_of(recordings, channel, policy)
         known = [each for each in recordings if each.label in levels]
         # of two groups that are as large either may be the one that is right
         for usual in _usual(sorted(levels.values()), policy):
@@ -77,6 +88,13 @@ def odd_units(
                     if each is not None:
                         found.setdefault(label, {})[channel] = each
                 break
+    for mine in found.values():
+        # two sensors of one file: where one is known to be in degrees, or they differ, both are
+        if len(mine) == 2 and {each.unit for each in mine.values()} <= {"deg", "gon"}:
+            if any(each.unit == "deg" for each in mine.values()):
+                sure = any(each == Odd("deg", each.ratio) for each in mine.values())
+                perhaps = None if sure else "gon"
+                mine.update({n: Odd("deg", each.ratio, perhaps) for n, each in mine.items()})
     return found
 
 
@@ -88,31 +106,36 @@ def _has_noise(recording: Recording, channel: str, level: float, policy: OddPoli
 
 
 def _odd(
-    recording: Recording, channel: str, level: float, usual: float, policy: OddPolicy
+    recording: Recording,
+    channel: str,
+    level: tuple[float, float],
+    usual: tuple[float, float],
+    policy: OddPolicy,
 ) -> Odd | None:
-    ratio = level / usual
+    ratio = level[0] / usual[0]
     if 1.0 / policy.apart < ratio < policy.apart:
         return None
-    if not _has_noise(recording, channel, level, policy):
+    if not _has_noise(recording, channel, level[0], policy):
         return None
     factor = declared(recording, channel)
     if whole_numbers(np.asarray(recording.channels[channel]) / factor):
         return Odd(None, ratio)
-    unit = unit_of_ratio(ratio, factor, policy.near)
-    return None if unit is None else Odd(unit, ratio)
+    off = {unit: abs(float(np.log(ratio * ANGLE[unit] / factor))) for unit in UNITS}
+    unit = min(UNITS, key=lambda each: off[each])
+    if off[unit] > np.log(policy.near) or ANGLE[unit] == factor:
+        return None
+    if unit not in ("deg", "gon"):
+        return Odd(unit, ratio)
+    gon = (off["deg"] ** 2 - off["gon"] ** 2) / (2.0 * (level[1] ** 2 + usual[1] ** 2))
+    if gon > np.log(policy.rarer):
+        return Odd("gon", ratio)
+    return Odd("deg", ratio, "gon" if gon > -np.log(policy.rarer) else None)
 
 
 def declared(recording: Recording, channel: str) -> float:
     """rad in the unit that a channel is said to be in."""
     source = recording.sources.get(channel)
     return 1.0 if source is None else abs(source.factor(channel) / source.scale)
-
-
-def unit_of_ratio(ratio: float, factor: float, near: float) -> str | None:
-    """The unit in which readings are `ratio` times what they would be in one of `factor` rad."""
-    off = {unit: abs(np.log(ratio * ANGLE[unit] / factor)) for unit in UNITS}
-    unit = min(UNITS, key=lambda each: off[each])
-    return unit if off[unit] < np.log(near) and ANGLE[unit] != factor else None
 
 
 def advice(recording: Recording, odd: Mapping[str, str | None]) -> str:
@@ -125,26 +148,35 @@ def advice(recording: Recording, odd: Mapping[str, str | None]) -> str:
     return f'write columns = {{ {told} }} beside file = "{recording.name}"{turn}'
 
 
-def _levels(recordings: Sequence[Recording], channel: str, policy: OddPolicy) -> dict[str, float]:
-    """Label -> noise, of those that have some."""
+def levels_of(
+    recordings: Sequence[Recording], channel: str, policy: OddPolicy = POLICY
+) -> dict[str, tuple[float, float]]:
+    """Label -> noise and its relative error, of those that have some.
+
+    Steps of readings that are held are none: they go with the motion.
+    """
     out = {}
     for each in recordings:
         x = each.channels.get(channel)
-        if x is None or each.n < 50:
+        if x is None or each.n < 50 or held(x) is not None:
             continue
         part = slice(policy.samples)
-        level = noise_level(each.t[part], x[part])
+        level, error = noise_level_and_error(each.t[part], x[part])
         if level > 0.0:
-            out[each.label] = level
+            out[each.label] = level, error
     return out
 
 
-def _usual(levels: Sequence[float], policy: OddPolicy) -> list[float]:
-    """The medians of the largest groups of rising levels."""
-    groups: list[list[float]] = []
+def _usual(levels: Sequence[tuple[float, float]], policy: OddPolicy) -> list[tuple[float, float]]:
+    """The medians of the largest groups of rising levels, and their relative errors."""
+    groups: list[list[tuple[float, float]]] = []
     for level in levels:
-        if not groups or level > policy.apart * groups[-1][-1]:
+        if not groups or level[0] > policy.apart * groups[-1][-1][0]:
             groups.append([])
         groups[-1].append(level)
     most = max(map(len, groups), default=0)
-    return [float(np.median(each)) for each in groups if len(each) == most]
+    return [
+        (float(np.median([x for x, _ in each])), float(np.mean([e for _, e in each]) / most**0.5))
+        for each in groups
+        if len(each) == most
+    ]

@@ -57,6 +57,7 @@ def read_table(
         form=form,
         dated=dated,
         notes=read.notes,
+        thinned=read.rows.size < cells["t"].size,
     )
 
 
