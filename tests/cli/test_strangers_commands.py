@@ -206,3 +206,81 @@ def test_a_released_column_swings_at_its_own_frequency(capsys):
 def test_numbers_that_cannot_be(argv, says, capsys):
     assert main(["simulate", *argv]) == 2
     assert says in capsys.readouterr().err
+
+
+# Recordings stay --------------------------------------------------------------------------------
+
+
+SHORT = ["simulate", "--preset", "bench", "--duration", "0.4", "--quiet"]
+
+
+def _beside(kind, file) -> None:
+    """Makes a file a recording: by metadata, or by a campaign that lists it."""
+    if kind == "metadata":
+        file.with_name(f"{file.name}.meta.json").write_text("{}")
+    else:
+        text = f"[[recording]]\nfile = './{file.name}'\nomega = 3.0\n"
+        (file.parent / "campaign.toml").write_text(text)
+
+
+@pytest.mark.parametrize("kind", ["metadata", "campaign"])
+@pytest.mark.parametrize("option", ["--out", "--plot"])
+def test_a_recording_is_not_replaced_unasked(kind, option, tmp_path, capsys):
+    file = tmp_path / "run-13.csv"
+    file.write_text("t,phi1,phi2\n0,0,0\n")
+    _beside(kind, file)
+    before = {each: each.read_bytes() for each in tmp_path.iterdir()}
+    assert main([*SHORT, option, str(file)]) == 2
+    told = capsys.readouterr().err
+    assert "run-13.csv is a recording; choose another name, or add --overwrite" in told
+    assert {each: each.read_bytes() for each in tmp_path.iterdir()} == before
+
+
+def test_a_link_to_a_recording_neither(tmp_path, capsys):
+    file = tmp_path / "run-13.csv"
+    file.write_text("t,phi1\n")
+    _beside("metadata", file)
+    (tmp_path / "link.csv").symlink_to(file)
+    assert main([*SHORT, "--out", str(tmp_path / "link.csv")]) == 2
+    assert file.read_text() == "t,phi1\n"
+
+
+def test_metadata_whose_recording_is_elsewhere_stay(tmp_path):
+    file = tmp_path / "run-13.csv"
+    _beside("metadata", file)
+    assert main([*SHORT, "--out", str(file)]) == 2
+    assert [each.name for each in tmp_path.iterdir()] == ["run-13.csv.meta.json"]
+
+
+def test_a_recording_is_replaced_where_that_is_said(tmp_path):
+    file = tmp_path / "run-13.csv"
+    file.write_text("t,phi1,phi2\n")
+    _beside("metadata", file)
+    assert main([*SHORT, "--out", str(file), "--overwrite"]) == 0
+    assert len(file.read_text().splitlines()) == 102
+    # what was known of the recording is not true of what was simulated
+    assert [each.name for each in tmp_path.iterdir()] == ["run-13.csv"]
+
+
+def test_what_was_simulated_is_replaced_as_before(tmp_path):
+    file = tmp_path / "run.csv"
+    for _ in range(2):
+        assert main([*SHORT, "--out", str(file)]) == 0
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ["check", str(EXAMPLE), "--json"],
+        ["identify", str(EXAMPLE), "--json"],
+        ["predict", "no.json", "--omega", "3", "--duration", "1", "--rate", "100", "--out"],
+    ],
+    ids=lambda argv: argv[0],
+)
+def test_other_commands_replace_none_either(argv, tmp_path, capsys):
+    file = tmp_path / "run-13.csv"
+    file.write_text("t,phi1,phi2\n")
+    _beside("metadata", file)
+    assert main([*argv, str(file)]) == 2
+    assert "is a recording; choose another name" in capsys.readouterr().err
+    assert file.read_text() == "t,phi1,phi2\n"

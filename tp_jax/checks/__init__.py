@@ -3,7 +3,10 @@
     policy                    every threshold, with its unit and reason
     harmonics -> drive        does a run move at its omega; which unit was taken for another
                  rider        is phi2 the rider's angle against the column, and in its sense
+                 angle_units  is an angle in another unit, in one file or in all
     sampling                  samples, noise, clipping, decays that do not decay
+    held_readings             a sensor slower than the file
+    starts                    runs that begin at times of their own
     survey -> proposal        a campaign.toml for files of unknown make
     -> checking               all of a campaign at once, `check`; what is certain is refused
 

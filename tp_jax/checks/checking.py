@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.checks import drive, rider, sampling
-from tp_jax.checks.finding import Finding
+from tp_jax.checks import angle_units, drive, held_readings, rider, sampling, starts
+from tp_jax.checks.finding import LEVELS, Finding
 from tp_jax.checks.policy import CheckPolicy
 from tp_jax.errors import InputError
 from tp_jax.recordings import Campaign
@@ -21,7 +21,7 @@ class Checked:
 
     Attributes:
         campaign: of the recordings that can be read; None where there are none.
-        findings: those that are wrong before those that are doubtful.
+        findings: what is wrong, then what is doubtful, then what was mended in reading.
         shares: label of a forced run -> share of phi1's variance at its omega and two harmonics.
     """
 
@@ -94,12 +94,31 @@ def examine(campaign: Campaign, policy: CheckPolicy | None = None) -> Checked:
     recordings = campaign.recordings
     driven = drive.shares(recordings, policy.drive)
     found = drive.findings(driven, policy.drive)
-    runs = rider.dragged(driven, policy.drive, policy.rider)
+    units = angle_units.look(recordings, driven, policy.drive, policy.rider, policy.unit)
+    found += units.findings
+    runs = [
+        run
+        for run in rider.dragged(driven, policy.drive, policy.rider)
+        if run.recording.label not in units.labels
+    ]
     found += rider.findings(runs, policy.rider)
     found += _same_angle(campaign)
+    found += held_readings.findings(recordings)
+    found += starts.findings(recordings, policy.start)
     for recording in recordings:
         found += sampling.findings(recording, policy.sampling, policy.clip)
-    found.sort(key=lambda each: each.level != "wrong")
+    # of a motion in another unit nothing else can be said
+    odd = {label for each in found if each.kind == "units" and each.level == "wrong"
+           for label in each.recordings}  # fmt: skip
+    found = [
+        each
+        for each in found
+        if each.level == "wrong"
+        or each.kind not in ("units", "sampling", "clock")
+        or not odd.issuperset(each.recordings)
+    ]
+    found += [Finding("read", "mended", (), note, "") for note in campaign.notes]
+    found.sort(key=lambda each: LEVELS.index(each.level))
     return Checked(campaign, tuple(found), {d.recording.label: d.share for d in driven})
 
 

@@ -2,9 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
-Level = Literal["wrong", "doubtful"]
+Level = Literal["wrong", "doubtful", "mended"]
+
+LEVELS: tuple[Level, ...] = get_args(Level)
+"""In the order in which they are told."""
 
 
 @dataclass(frozen=True)
@@ -13,8 +16,8 @@ class Finding:
 
     Attributes:
         kind: what was looked at: "file", "units", "frequency", "rider", "clipped", "sampling",
-            "motion".
-        level: "wrong" is refused, "doubtful" is told.
+            "motion", "held", "clock", "read".
+        level: "wrong" is refused, "doubtful" is told, "mended" was mended when the file was read.
         recordings: labels of those it is about.
         wrong: what it is, as part of a sentence.
         mend: what to write or do.

@@ -60,6 +60,30 @@ class RiderPolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class UnitPolicy:
+    """Whether an angle is in the unit that is said.
+
+    Attributes:
+        clear: least cosine of the angle between H and the real axis' negative half for the
+            distance of H to tell anything; beyond it a little phase makes much of it.
+        above: part of |H| that may lie above the real axis, by phase errors of sensors.
+        near: factor by which a rider may miss the half circle; degrees and gons are alike to it.
+        larger: times that H must be too far for another unit; mirrored or against the base it is
+            3 times at most.
+        at_rest: times that the noise of a body at rest may be less than that of one that moves, and
+            that a motion must exceed its noise not to be one of a body at rest.
+        alike: factor by which the noise of two sensors of one rig may differ.
+    """
+
+    clear: float = 0.3
+    above: float = 0.15
+    near: float = 1.35
+    larger: float = 10.0
+    at_rest: float = 20.0
+    alike: float = 2.0
+
+
+@dataclasses.dataclass(frozen=True)
 class ClipPolicy:
     """Whether an angle is cut off where the sensor or its converter ends.
 
@@ -84,6 +108,8 @@ class SamplingPolicy:
         periods: of the drive that a forced run should last; it takes some to start up.
         longest_step: s between samples; no torsion pendulum at hand is so slow, and
             milliseconds read as seconds are.
+        slowest: s of a swing; those of all pendulums at hand last less than a tenth of it.
+        seen: samples from which a swing is looked for.
         signal: standard deviation of phi1, in those of its noise, below which little can be told.
         widest: rad that phi1 spans, a whole turn; springs at hand were wound by 5.5, and small
             angles in degrees span more.
@@ -93,9 +119,31 @@ class SamplingPolicy:
     fewest: float = 8.0
     periods: float = 3.0
     longest_step: float = 0.5
+    slowest: float = 60.0
+    seen: int = 200
     signal: float = 5.0
     widest: float = 6.3
     growing: float = 1.2
+
+
+@dataclasses.dataclass(frozen=True)
+class StartPolicy:
+    """Whether runs begin at times of their own.
+
+    Attributes:
+        phase: rad of the drive by which the beginnings of two runs differ.
+        part: of a period at the beginning in which a run from rest has not yet moved.
+        samples: that there must be in it.
+        noise: levels of noise within which a column is at rest.
+        way: of phi1's standard deviation that it may have gone; one that swings goes further,
+            about its turning points too.
+    """
+
+    phase: float = 0.3
+    part: float = 0.1
+    samples: int = 3
+    noise: float = 5.0
+    way: float = 0.04
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,5 +152,7 @@ class CheckPolicy:
 
     drive: DrivePolicy = DrivePolicy()
     rider: RiderPolicy = RiderPolicy()
+    unit: UnitPolicy = UnitPolicy()
     clip: ClipPolicy = ClipPolicy()
+    start: StartPolicy = StartPolicy()
     sampling: SamplingPolicy = SamplingPolicy()

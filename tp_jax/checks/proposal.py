@@ -1,16 +1,17 @@
 """A campaign.toml for a folder of files of unknown make, to be corrected by the user."""
 
 import json
-import math
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from tp_jax.checks.harmonics import end_of, fit, refined, strongest
 from tp_jax.checks.survey import Survey, survey
 from tp_jax.recordings import CampaignError
-from tp_jax.recordings.sources import ColumnSource
 
 NOT_DATA = {
     ".toml", ".md", ".json", ".html", ".py", ".ipynb", ".png", ".jpg", ".jpeg", ".svg", ".pdf",
@@ -24,6 +25,9 @@ STEADY = 0.6
 A decay keeps less, unless it is recorded for a few swings only; the user reads what was taken.
 """
 
+_FEWEST = 60
+"""Rows by which a motion is told."""
+
 _DECAYS = ("decay", "free", "frei", "ausschwing", "abkling", "release")
 """Words in the name of a file that speak of a decay."""
 
@@ -35,24 +39,28 @@ def propose(folder: Path) -> tuple[str, list[str]]:
         folder: with the data files, and no campaign.toml.
 
     Returns:
-        The text, and a sentence for each file that was left out.
+        The text, and a sentence for each file that was left out or whose rows were mended.
 
     Raises:
         CampaignError: no file in it can be read.
     """
     found: list[tuple[Path, Survey]] = []
-    left_out = []
+    left_out: list[str] = []
+    first_fault: CampaignError | None = None
     for file in sorted(folder.iterdir()):
         if not file.is_file() or file.name.startswith(".") or file.suffix.lower() in NOT_DATA:
             continue
         try:
             found.append((file, survey(file)))
         except CampaignError as fault:
-            left_out.append(str(fault))
+            left_out.append(f"Left out: {fault}")
+            first_fault = first_fault or fault
+    if not found and first_fault is not None and first_fault.line is not None:
+        raise first_fault
     if not found:
         raise CampaignError(
             folder,
-            left_out[0].rstrip(".?") if left_out else "there is no data file in it",
+            str(first_fault).rstrip(".?") if first_fault else "there is no data file in it",
             "put the recordings there, a file for each run",
         )
     first = found[0][1]
@@ -60,10 +68,12 @@ def propose(folder: Path) -> tuple[str, list[str]]:
     for file, _ in found:
         if file not in [each for each, _ in same]:
             left_out.append(
-                f"{file}: its columns differ from those of {found[0][0].name}; give it a folder "
-                "and a campaign.toml of its own."
+                f"Left out: {file}: its columns differ from those of {found[0][0].name}; give it a "
+                "folder and a campaign.toml of its own."
             )
-    return "\n".join([*_head(folder, first), *_entries(same)]) + "\n", left_out
+    surveys = [seen for _, seen in same]
+    told = [*left_out, *(f"{note}." for seen in surveys for note in seen.notes)]
+    return "\n".join([*_head(folder, surveys), *_entries(same)]) + "\n", told
 
 
 def _alike(one: Survey, other: Survey) -> bool:
@@ -71,7 +81,8 @@ def _alike(one: Survey, other: Survey) -> bool:
     return places[0] == places[1] and one.delimiter == other.delimiter
 
 
-def _head(folder: Path, first: Survey) -> list[str]:
+def _head(folder: Path, surveys: Sequence[Survey]) -> list[str]:
+    first = surveys[0]
     name = json.dumps(folder.resolve().name or "campaign", ensure_ascii=False)
     lines = [
         f"name = {name}",
@@ -88,46 +99,68 @@ def _head(folder: Path, first: Survey) -> list[str]:
         lines.append(f"delimiter = {json.dumps(first.delimiter)}")
     if first.decimal is not None:
         lines.append(f'decimal = "{first.decimal}"')
+    if any(seen.held for seen in surveys):
+        lines.append("held = true  # readings are held: of rows that repeat one the first is kept")
     lines += ["", "[format.columns]"]
-    lines += [_column(name, source, first.why[name]) for name, source in first.sources.items()]
+    for name, source in first.sources.items():
+        why = first.why[name]
+        for seen in surveys if name == "t" else ():  # one clock may start anew in one file only
+            other = seen.sources[name]
+            if (other.wrap, other.summer_time) != (None, False):
+                source = replace(source, wrap=other.wrap, summer_time=other.summer_time)
+                why = seen.why[name]
+                break
+        lines.append(f"{name} = {source.toml()}" + (f"  # {why}" if why else ""))
     return lines
-
-
-def _column(name: str, source: ColumnSource, why: str) -> str:
-    column = json.dumps(source.column, ensure_ascii=False)
-    parts = [f"column = {column}"]
-    if source.unit is not None:
-        parts.append(f'unit = "{source.unit}"')
-    if source.counts is not None:
-        parts.append(f"counts = {source.counts:g}")
-    if source.wrap is not None:
-        parts.append(f"wrap = {source.wrap:.10g}")
-    return f"{name} = {{ {', '.join(parts)} }}" + (f"  # {why}" if why else "")
 
 
 def _entries(found: Sequence[tuple[Path, Survey]]) -> list[str]:
     lines = []
     for file, seen in found:
         lines += ["", "[[recording]]", f"file = {json.dumps(file.name, ensure_ascii=False)}"]
-        omega, share, lasts = _motion(seen)
-        if any(word in file.name.lower() for word in _DECAYS) or not lasts >= STEADY:
-            lines.append(f"forced = false  # it keeps {lasts:.0%} of its swing: a free decay?")
+        moves = _motion(seen)
+        decay = any(word in file.name.lower() for word in _DECAYS)
+        if moves is None and not decay:
+            lines.append(
+                "forced = false  # its rows do not tell; write forced = true and its omega if the "
+                "motor ran"
+            )
+        elif decay or moves is None or moves.lasts < STEADY:
+            keeps = "" if moves is None else f"  # it keeps {moves.lasts:.0%} of its swing: a free "
+            lines.append(f"forced = false{keeps and keeps + 'decay?'}")
         else:
             lines.append("forced = true")
             lines.append(
-                f"omega = {omega:.6g}  # rad/s, as it moves ({share:.0%} of it); write what was "
-                "commanded"
+                f"omega = {moves.omega:.6g}  # rad/s, as it moves ({moves.share:.0%} of it); write "
+                "what was commanded"
             )
     return lines
 
 
-def _motion(seen: Survey) -> tuple[float, float, float]:
-    """Frequency [rad/s], its share of the motion's end, and the part of the swing that lasts."""
-    t, x = seen.t, seen.phi1
-    if t.size < 60 or not np.all(np.diff(t) > 0.0) or not np.isfinite(x).all():
-        return math.nan, 0.0, math.nan
-    thirds = [float(np.std(part)) for part in np.array_split(x, 3)]
+class _Motion(NamedTuple):
+    """Frequency [rad/s] of a run, its share of the end, and the part of the swing that lasts."""
+
+    omega: float
+    share: float
+    lasts: float
+
+
+def _motion(seen: Survey) -> _Motion | None:
+    """How the longest part of a run moves whose times rise; None: it is too short."""
+    usable = np.isfinite(seen.t) & np.isfinite(seen.phi1)
+    t, x = seen.t[usable], seen.phi1[usable]
+    part = max(_rising(t), key=lambda each: each.stop - each.start, default=slice(0))
+    t, x = t[part], x[part]
+    if t.size < _FEWEST:
+        return None
+    thirds = [float(np.std(each)) for each in np.array_split(x, 3)]
+    if not max(thirds):
+        return None
     end = end_of(t, 0.6)
     omega = refined(t[end], x[end], strongest(t[end], x[end]))
-    lasts = thirds[-1] / max(thirds) if max(thirds) else math.nan
-    return omega, fit(t[end], x[end], omega).share, lasts
+    return _Motion(omega, fit(t[end], x[end], omega).share, thirds[-1] / max(thirds))
+
+
+def _rising(t: np.ndarray) -> list[slice]:
+    edges = [0, *(np.flatnonzero(np.diff(t) <= 0.0) + 1).tolist(), t.size]
+    return [slice(a, b) for a, b in pairwise(edges)]

@@ -60,8 +60,11 @@ def misplaced(h: complex) -> float:
     return off if h.imag <= 0.0 else max(off, min(abs(h), abs(h + 1.0), h.imag))
 
 
-def dragged(driven: Sequence[Driven], drive: DrivePolicy, policy: RiderPolicy) -> list[Dragged]:
-    """The runs whose rider moves enough to tell."""
+def dragged(
+    driven: Sequence[Driven], drive: DrivePolicy, policy: RiderPolicy, moving: float | None = None
+) -> list[Dragged]:
+    """The runs whose rider moves enough to tell; `moving` in place of the policy's."""
+    moving = policy.moving if moving is None else moving
     found = []
     for each in driven:
         recording = each.recording
@@ -72,7 +75,7 @@ def dragged(driven: Sequence[Driven], drive: DrivePolicy, policy: RiderPolicy) -
         phi1 = fit(t, recording.phi1[part], recording.omega, drive.harmonics)
         phi2 = fit(t, recording.phi2[part], recording.omega, drive.harmonics)
         h = phi2.amplitude / phi1.amplitude
-        if abs(h) > policy.moving and phi2.share > policy.share:
+        if abs(h) > moving and phi2.share > policy.share:
             found.append(Dragged(recording, h))
     return found
 

@@ -3,8 +3,11 @@
 import numpy as np
 
 from tp_jax.checks.finding import Finding
+from tp_jax.checks.harmonics import strongest
 from tp_jax.checks.policy import ClipPolicy, SamplingPolicy
 from tp_jax.recordings import Recording, noise_level
+from tp_jax.recordings.clocks import unit_of_step
+from tp_jax.recordings.units import TIME
 
 
 def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> list[Finding]:
@@ -16,10 +19,12 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
         found.append(Finding(kind, "doubtful", label, wrong, mend, numbers))
 
     step = float(np.median(np.diff(recording.t)))
-    if step > policy.longest_step:
+    unit = _unit_of_time(recording, step, policy)
+    if unit is not None:
         doubt(
-            "units", f"there are {step:.4g} s between samples",
-            'write unit = "ms" for t under [format.columns] if they are milliseconds', step=step,
+            "units", f"there are {step:.4g} s between samples, and phi1 swings once in "
+            f"{_period(recording):.4g} s, so that the times are probably in {_NAMES[unit]}",
+            f'write unit = "{unit}" for t under [format.columns] if they are', step=step,
         )  # fmt: skip
     if recording.omega is not None:
         period = 2.0 * np.pi / recording.omega
@@ -73,6 +78,28 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
                 "set its range wider, or drive it less far", times=times, at=end,
             )  # fmt: skip
     return found
+
+
+_NAMES = {"ms": "milliseconds", "us": "microseconds"}
+
+
+def _period(recording: Recording) -> float:
+    """s of a swing, as the drive is said to make it or as it is seen."""
+    if recording.omega is not None:
+        return 2.0 * np.pi / recording.omega
+    return 2.0 * np.pi / strongest(recording.t, recording.phi1)
+
+
+def _unit_of_time(recording: Recording, step: float, policy: SamplingPolicy) -> str | None:
+    """The unit in which a motion too slow for a pendulum would be a usual one; None: seconds."""
+    period = _period(recording)
+    if step <= policy.longest_step and (
+        recording.omega is not None or period <= policy.slowest or recording.n < policy.seen
+    ):
+        return None
+    if recording.omega is not None:  # at its omega it may still move too seldom
+        return unit_of_step(step)
+    return "us" if period * TIME["ms"] > policy.slowest else "ms"
 
 
 def stops(angle: np.ndarray, policy: ClipPolicy) -> tuple[int, float]:

@@ -4,26 +4,30 @@ Everything here is a guess, written down by `tp-jax init` for the user to correc
 """
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from tp_jax.checks.policy import SamplingPolicy
-from tp_jax.recordings import units
+from tp_jax.recordings import clocks, units
 from tp_jax.recordings.cells import parse, split
 from tp_jax.recordings.checks import WIDEST_PHI1
 from tp_jax.recordings.clock_times import is_date_or_clock
 from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.faults import CampaignError
+from tp_jax.recordings.formats import empty_rows
+from tp_jax.recordings.held import held
+from tp_jax.recordings.joined import check_joined
 from tp_jax.recordings.kinds import kind_of
 from tp_jax.recordings.layout import layout_of
-from tp_jax.recordings.lines import as_lines, read_bytes
+from tp_jax.recordings.lines import as_lines, read_bytes, without_separators
+from tp_jax.recordings.readings import readings
 from tp_jax.recordings.sources import NAMES, ColumnSource, FileFormat
-from tp_jax.recordings.tables import as_numbers, read_named
+from tp_jax.recordings.tables import as_numbers, is_dated, read_named
 
 _WORDS = {
-    "t": r"t|time\w*|zeit\w*|sec|seconds|sekunden|timestamp|zeitstempel|tijd|temps|czas",
+    "t": r"t|time\w*|zeit\w*|sec|seconds|sekunden|timestamp|zeitstempel|tijd|temps|czas|uhrzeit|"
+    r"datum\w*|date\w*|micros\w*|millis\w*|ticks",
     "phi1": r"phi_?1|φ1|theta_?1|angle_?1|winkel_?1|ang1|enc(oder)?_?1|column|säule|disk_?1",
     "phi2": r"phi_?2|φ2|theta_?2|angle_?2|winkel_?2|ang2|enc(oder)?_?2|rider|ring|reiter|disk_?2",
     "drive": r"drive|antrieb|motor\w*|erreger\w*|excit\w*|force|f_?e",
@@ -43,6 +47,8 @@ class Survey:
         sources: name in the recording -> where it seems to be, with its unit.
         why: name in the recording -> what speaks for it, in words.
         t, phi1: as the sources give them.
+        held: whether readings are held.
+        notes: what reading by the sources does to the rows, a sentence each, without its end.
     """
 
     delimiter: str | None
@@ -52,6 +58,8 @@ class Survey:
     why: dict[str, str]
     t: np.ndarray
     phi1: np.ndarray
+    held: bool = False
+    notes: tuple[str, ...] = field(default=())
 
 
 def survey(file: Path) -> Survey:
@@ -71,10 +79,10 @@ def survey(file: Path) -> Survey:
                 columns[i] = as_numbers(file, "t", table[name])
             except CampaignError:  # texts
                 continue
-        dates = {i for i, n in enumerate(names) if table[n].dtype.kind in "Mm"}
-        layout = None
+        dates = {i for i, name in enumerate(names) if is_dated(table[name])}
+        layout, notes = None, ()
     else:
-        lines = as_lines(file, raw)
+        lines, left_out = without_separators(as_lines(file, raw))
         layout = layout_of(lines, FileFormat())
         if layout.first >= len(lines.text):
             raise CampaignError(file, "there are no rows of numbers in it", _MEND)
@@ -87,6 +95,9 @@ def survey(file: Path) -> Survey:
             for i in range(width)
         ]
         columns, dates = {}, set()
+        notes = empty_rows(file, left_out, lines.numbers[layout.first])
+        at = next((i for i in layout.numeric if _is_time(names, i)), None)
+        check_joined(lines, layout, next(iter(layout.numeric), None) if at is None else at)
         for i in layout.numeric:
             first = split(lines.text[layout.first], layout.delimiter)[i]
             if is_date_or_clock(first):
@@ -102,12 +113,22 @@ def survey(file: Path) -> Survey:
         column = names[i] if i < len(names) and names.count(names[i]) == 1 else i
         unit = units.named(told[i], units.of(name)) if i < len(told) and told[i] else None
         sources[name], why[name] = _source(name, column, unit, columns, which, i in dates)
-    values = {name: sources[name].apply(name, columns[which[name]]) for name in ("t", "phi1")}
+    angles = {name: columns[i] for name, i in which.items() if name in ("phi1", "phi2")}
+    holds = any(np.isfinite(x).all() and held(x) is not None for x in angles.values())
+    read = readings(
+        file, sources, {"t": columns[which["t"]], **angles}, dated=which["t"] in dates, held=holds
+    )
     return Survey(
         None if layout is None else layout.delimiter or " ",
         None if layout is None else layout.decimal,
-        bool(names), sources, why, values["t"], values["phi1"],
+        bool(names), sources, why, read.values["t"], read.values["phi1"],
+        holds, (*notes, *read.notes),
     )  # fmt: skip
+
+
+def _is_time(names: list[str], i: int) -> bool:
+    bare = units.parted(names[i])[0].strip('"').lower() if i < len(names) else ""
+    return re.fullmatch(_WORDS["t"], bare) is not None
 
 
 def _which(names: list[str], columns: dict[int, np.ndarray]) -> dict[str, int]:
@@ -122,6 +143,7 @@ def _which(names: list[str], columns: dict[int, np.ndarray]) -> dict[str, int]:
     rising = [i for i, x in columns.items() if x.size > 1 and np.all(np.diff(x) > 0.0)]
     if "t" not in found:
         left = [i for i in rising if i not in found.values()]
+        left = left or [i for i, x in columns.items() if i not in found.values() and _runs_on(x)]
         found["t"] = (left or [i for i in columns if i not in found.values()])[0]
     for name in ("phi1", "phi2"):
         # a column that only rises is a number of rows
@@ -131,6 +153,13 @@ def _which(names: list[str], columns: dict[int, np.ndarray]) -> dict[str, int]:
     if "phi1" not in found:
         found["phi1"] = next(i for i in columns if i != found["t"])
     return {name: found[name] for name in NAMES if name in found}
+
+
+def _runs_on(x: np.ndarray) -> bool:
+    """Whether a column is like a clock that falls or stands still now and then."""
+    steps = np.diff(x)
+    falls, usual = np.mean(steps < 0.0), clocks.usual_step(x)
+    return bool(x.size > 1 and falls < 0.01 and np.mean(steps[steps > 0.0] < 2.0 * usual) > 0.9)
 
 
 def _source(
@@ -145,14 +174,10 @@ def _source(
     source = ColumnSource(column, unit=unit)
     if name == "drive":
         return source, ""
+    if name == "t":
+        return _clock(source, cells, is_date)
     if unit is not None:
         why = "the file says so"
-    elif name == "t":
-        if is_date:
-            return source, "dates or clock times, in seconds from the first"
-        step = float(np.median(np.diff(cells)))
-        guess = "us" if step >= 500.0 else "ms" if step > SamplingPolicy().longest_step else None
-        return replace(source, unit=guess), f"steps of {step:.4g}"
     else:
         width = float(np.ptp(cells))
         if whole_numbers(cells):
@@ -163,11 +188,31 @@ def _source(
             source, why = replace(source, unit="deg"), f"spans {width:.4g}"
         else:
             why = f"spans {width:.4g}"
-    if name != "t":
-        leap = leaps(columns[which["t"]], cells)
-        if leap is not None and leap.period is not None:
-            if source.counts is not None:
-                source = replace(source, counts=leap.period)
-            source = replace(source, wrap=leap.period)
-            why += f", starts anew after {leap.period:g}"
+    leap = leaps(columns[which["t"]], cells)
+    if leap is not None and leap.period is not None:
+        if source.counts is not None:
+            source = replace(source, counts=leap.period)
+        source = replace(source, wrap=leap.period)
+        why += f", starts anew after {leap.period:g}"
+    return source, why
+
+
+def _clock(source: ColumnSource, cells: np.ndarray, is_date: bool) -> tuple[ColumnSource, str]:
+    """Unit of the times, and what keeps them from rising."""
+    step = clocks.usual_step(cells)
+    if source.unit is not None:
+        why = "the file says so"
+    elif is_date:
+        why = "dates or clock times, in seconds from the first"
+    else:
+        source = replace(source, unit=clocks.unit_of_step(step))
+        why = f"steps of {step:.4g}"
+    period = clocks.period_of(cells)
+    if period is not None:
+        return replace(source, wrap=period), f"{why}, starts anew after {period:.10g}"
+    t = source.apply("t", cells)
+    fall = clocks.fall_of(t, is_date, None) if np.isfinite(t).all() else None
+    if fall is not None and fall.cause == "hour":
+        source = replace(source, summer_time=True)
+        why += ", an hour of summer time " + ("begins" if t[fall.at] > t[fall.at - 1] else "ends")
     return source, why

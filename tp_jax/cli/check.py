@@ -66,4 +66,5 @@ def _told(checked: "Checked") -> list[str]:
         )
     n = len(campaign.recordings)
     read = f"{n} recording{'' if n == 1 else 's'} of {campaign.name} read"
-    return [*lines, f"{read}." if checked.findings else f"{read}, nothing to mend."]
+    good = not (checked.wrong or checked.doubtful)
+    return [*lines, f"{read}, nothing to mend." if good else f"{read}."]

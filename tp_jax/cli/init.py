@@ -36,9 +36,9 @@ def run(args: argparse.Namespace) -> None:
 
     from tp_jax.checks.proposal import propose
 
-    text, left_out = propose(folder)
-    for each in left_out:
-        warnings.warn(f"Left out: {each}", Notice, stacklevel=2)
+    text, told = propose(folder)
+    for each in told:
+        warnings.warn(each, Notice, stacklevel=2)
     write_text(target, text)
     if not args.quiet:
         print(text, end="")

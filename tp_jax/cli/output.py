@@ -4,6 +4,7 @@ import json
 import os
 import sys
 import tempfile
+import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -55,8 +56,14 @@ def made_folder(target: str | Path) -> Path:
     return folder
 
 
-def ready(*targets: str | Path | None) -> None:
+def ready(*targets: str | Path | None, overwrite: bool | None = None) -> None:
     """Sees before the work that its results can be written; None and `-` always can.
+
+    What was derived is replaced, a recording is not: nobody can make it anew.
+
+    Args:
+        targets: files to be written.
+        overwrite: whether a recording may be replaced; None: the command has no such option.
 
     Raises:
         InputError: which cannot, and why.
@@ -67,6 +74,11 @@ def ready(*targets: str | Path | None) -> None:
         path = Path(os.path.realpath(target))
         try:
             _try(target, path)
+            if not overwrite and (is_recording(path) or is_recording(Path(target))):
+                option = "" if overwrite is None else ", or add --overwrite to replace it"
+                raise InputError(
+                    f"{shortened(target)} is a recording; choose another name{option}."
+                )
         except InputError:
             raise
         except OSError as fault:
@@ -74,6 +86,25 @@ def ready(*targets: str | Path | None) -> None:
             raise InputError(f"Cannot write {shortened(target)}: {reason}.") from fault
         except ValueError as fault:  # a null byte
             raise InputError(f"Cannot write {shortened(target)}: {fault}.") from fault
+
+
+def is_recording(path: Path) -> bool:
+    """Whether a file has metadata beside it, or a campaign.toml that lists it."""
+    if metadata_of(path).exists():
+        return True
+    if not path.is_file():
+        return False
+    try:
+        top = tomllib.loads((path.parent / "campaign.toml").read_text(encoding="utf-8-sig"))
+        files = [str(each["file"]) for each in top["recording"]]
+    except (OSError, ValueError, LookupError, TypeError):  # no campaign, or none that can be read
+        return False
+    return any(Path(os.path.realpath(path.parent / each)) == path for each in files)
+
+
+def metadata_of(recording: Path) -> Path:
+    """Where `tp-jax record` writes what is known of a recording."""
+    return Path(f"{recording}.meta.json")
 
 
 def _try(target: str | Path, path: Path) -> None:
@@ -114,7 +145,10 @@ def json_text(result: Any) -> str:
 
 
 def write_trajectory(target: str | None, trajectory: "Trajectory") -> None:
-    """CSV with the header t,phi1,phi2 (single: t,phi1); without a target to standard output."""
+    """CSV with the header t,phi1,phi2 (single: t,phi1); without a target to standard output.
+
+    What was known of a recording that was there before is not true of this one, and goes.
+    """
     import numpy as np
 
     from tp_jax.recordings.writer import csv_text
@@ -130,3 +164,4 @@ def write_trajectory(target: str | None, trajectory: "Trajectory") -> None:
         sys.stdout.write(text)
     else:
         write_text(target, text)
+        metadata_of(Path(os.path.realpath(target))).unlink(missing_ok=True)

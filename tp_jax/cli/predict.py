@@ -2,7 +2,7 @@
 
 import argparse
 
-from tp_jax.cli.arguments import add_common, angle, frequency, positive, sample_count
+from tp_jax.cli.arguments import add_common, add_overwrite, angle, frequency, positive, sample_count
 from tp_jax.cli.output import ready, write_trajectory
 from tp_jax.errors import InputError
 
@@ -32,6 +32,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="without or with the effects found (default after; before where none was found)",
     )
     parser.add_argument("--out", metavar="F.csv", help="default: standard output")
+    add_overwrite(parser)
     add_common(parser)
     parser.set_defaults(run=run)
 
@@ -43,7 +44,7 @@ def run(args: argparse.Namespace) -> None:
                 raise InputError(f"Argument --{name} is needed unless --recording is given.")
     if args.duration is not None and args.rate is not None:
         sample_count(args.duration, args.rate)
-    ready(args.out)
+    ready(args.out, overwrite=args.overwrite)
 
     from tp_jax.schemas.diagnosis import read_diagnosis
 

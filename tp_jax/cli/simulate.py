@@ -2,7 +2,15 @@
 
 import argparse
 
-from tp_jax.cli.arguments import add_common, angle, fixed, named, positive, sample_count
+from tp_jax.cli.arguments import (
+    add_common,
+    add_overwrite,
+    angle,
+    fixed,
+    named,
+    positive,
+    sample_count,
+)
 from tp_jax.cli.output import ready, replaced, write_trajectory
 from tp_jax.errors import InputError
 
@@ -47,6 +55,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--rate", metavar="HZ", type=positive, default=250.0, help="samples a second (default 250)"
     )
     parser.add_argument("--out", metavar="FILE.csv", help="default: standard output")
+    add_overwrite(parser)
     parser.add_argument("--plot", metavar="FILE.png", help="draw angles and relative velocity")
     add_common(parser)
     parser.set_defaults(run=run)
@@ -55,7 +64,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def run(args: argparse.Namespace) -> None:
     samples = sample_count(args.duration, args.rate)
     numbers = _numbers(args)
-    ready(args.out, args.plot)
+    ready(args.out, args.plot, overwrite=args.overwrite)
 
     import numpy as np
 

@@ -2,10 +2,13 @@
 
     kinds                       what a file is by its first bytes
     lines, cells -> layout      a text to its cells; clock_times
+    joined                      names of columns again, where logs were joined
     readers -> tables           other files, each kind by a library
     units, sources -> formats   data files to columns in seconds and radians
+    clocks, rounding, held -> readings  cells to times that run on and readings that are new
     sections -> format_section, entries    campaign.toml to what it says
     recording, checks           one run, and whether it can be what it is said to be
+    odd_units                   files whose angles are in another unit, by their noise
     encoder                     readings that start anew after a turn
     campaign                    all of them together: `load_campaign`
     arrays                      recordings and campaigns without files

@@ -13,6 +13,7 @@ from tp_jax.recordings import units
 from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
 from tp_jax.recordings.entries import Entry, Known, Model
 from tp_jax.recordings.formats import Columns
+from tp_jax.recordings.readings import even_times
 from tp_jax.recordings.tables import as_numbers
 
 if TYPE_CHECKING:
@@ -63,7 +64,16 @@ def recording_from_arrays(
             f"Recording {name} must have columns of one length and one dimension, but has {told}."
         )
     digest = hashlib.sha256(b"".join(column.tobytes() for column in values.values())).hexdigest()
-    columns = Columns(file, values, range(values["t"].size), None, digest)
+    finite = bool(np.isfinite(values["t"]).all())
+    t, quantum = even_times(values["t"], values) if finite else (values["t"], None)
+    notes = ()
+    if quantum is not None:
+        values["t"] = t
+        notes = (f"{name}: times are rounded to {quantum:.3g} s, and were made even",)
+    columns = Columns(
+        file, values, range(values["t"].size), None, digest,
+        dated=np.asarray(given["t"]).dtype.kind == "M",
+    )  # fmt: skip
     check_times(columns)
     check_span(columns, Entry(name, file, forced), 0, values["t"].size, file)
     check_values(columns, 0, values["t"].size)
@@ -71,7 +81,7 @@ def recording_from_arrays(
         name=name, label=name, file=file, t=values["t"], phi1=values["phi1"],
         phi2=values.get("phi2"), drive=values.get("drive"), forced=forced,
         omega=omega if forced else None, sha256=digest,
-        **{"span": None, "start": None, "repeat": None, "held_out": False, **more},
+        **{"span": None, "start": None, "repeat": None, "held_out": False, "notes": notes, **more},
     )  # fmt: skip
     check_recording(recording, None, rotates)
     return recording

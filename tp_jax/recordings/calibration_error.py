@@ -17,6 +17,7 @@ import numpy as np
 
 from tp_jax.errors import InputError
 from tp_jax.recordings.faults import CampaignError
+from tp_jax.recordings.short import short_fields
 from tp_jax.schemas.checking import Misfit, check, read_json
 from tp_jax.schemas.recording import SCHEMA, VERSION
 
@@ -33,6 +34,8 @@ class CalibrationError:
         angle: (m,) rising angles [rad].
         modes: (q, m) shapes at those angles [rad].
     """
+
+    __repr__ = short_fields
 
     key: str
     angle: np.ndarray

@@ -1,6 +1,7 @@
 """A campaign: the recordings of one rig, as its campaign.toml lists them."""
 
 import os
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -9,12 +10,20 @@ from typing import Any, cast
 
 import numpy as np
 
+from tp_jax.errors import Notice
 from tp_jax.recordings.calibration_error import CalibrationError, read_calibration_error
-from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
+from tp_jax.recordings.checks import (
+    check_recording,
+    check_span,
+    check_times,
+    check_values,
+    odd_ones,
+)
 from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
 from tp_jax.recordings.faults import CampaignError
-from tp_jax.recordings.formats import Columns, read_columns
+from tp_jax.recordings.formats import Columns, FileFormat, read_columns
 from tp_jax.recordings.recording import Recording, spanned, within
+from tp_jax.recordings.short import short
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +49,11 @@ class Campaign:
     sample_rate: float | None
     recordings: tuple[Recording, ...]
     folder: Path
+
+    def __repr__(self) -> str:
+        B1 = "no B1" if self.B1 is None else f"B1={self.B1:.6g}"
+        labels = [each.label for each in self.recordings]
+        return f"Campaign({self.name!r}, {self.model}, {B1}, recordings={short(labels)})"
 
     @staticmethod
     def from_arrays(
@@ -75,6 +89,11 @@ class Campaign:
         return ("phi1", "phi2") if self.model == "double" else ("phi1",)
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What was done to the rows when files were read, each once; a sentence without its end."""
+        return tuple(dict.fromkeys(note for each in self.recordings for note in each.notes))
+
+    @property
     def data_sha256(self) -> dict[str, str]:
         """Name of each file -> SHA-256 of its bytes."""
         return {each.name: each.sha256 for each in self.recordings}
@@ -92,9 +111,15 @@ def load_campaign(
 
     Raises:
         CampaignError: anything that keeps the campaign from being used, in one sentence.
+
+    Warns:
+        Notice: rows of a file were left out, or put elsewhere in time.
     """
     toml, plan = _planned(Path(path), omega, decay)
-    return cast(Campaign, _load(toml, plan, _raise))
+    campaign = cast(Campaign, _load(toml, plan, _raise))
+    for note in campaign.notes:
+        warnings.warn(f"{note}.", Notice, stacklevel=2)
+    return campaign
 
 
 def load_what_can_be(
@@ -171,7 +196,7 @@ def _load(toml: Path, plan: Plan, fault: Callable[[CampaignError], None]) -> Cam
     # where the campaign maps columns of its own, the angles are not those that were calibrated
     own = not plan.form.columns
     appearances = Counter(entry.file for entry in plan.entries)
-    entries, recordings = [], []
+    made = []
     for entry in plan.entries:
         if entry.file not in files:
             continue
@@ -180,7 +205,16 @@ def _load(toml: Path, plan: Plan, fault: Callable[[CampaignError], None]) -> Cam
             recording = _recording(toml, entry, files[entry.file], model, errors)
             if appearances[entry.file] > 1 and entry.span is not None:
                 recording = replace(recording, label=spanned(entry.name, entry.span))
-            check_recording(recording, plan.sample_rate, plan.rotates, plan.form.columns)
+        except CampaignError as error:
+            fault(error)
+            continue
+        made.append((entry, recording, files[entry.file].thinned))
+    odd = None if plan.rotates else odd_ones([each for _, each, _ in made])
+    entries, recordings = [], []
+    for entry, recording, thinned in made:
+        rate = None if thinned else plan.sample_rate  # which is that of the rows
+        try:
+            check_recording(recording, rate, plan.rotates, plan.form.columns, odd)
         except CampaignError as error:
             fault(error)
             continue
@@ -215,16 +249,28 @@ def _read_files(plan: Plan, fault: Callable[[CampaignError], None]) -> dict[Path
     for entry in plan.entries:
         if entry.measured_drive and "drive" not in wanted[entry.file]:
             wanted[entry.file].append("drive")
+    own = {entry.file: entry.columns for entry in plan.entries}
     files = {}
     for file, names in wanted.items():
         try:
-            columns = read_columns(file, plan.form, names)
+            columns = read_columns(file, _form(plan.form, own[file]), names)
             check_times(columns)
         except CampaignError as error:
             fault(error)
             continue
         files[file] = columns
     return files
+
+
+def _form(form: FileFormat, own: dict[str, dict[str, Any]]) -> FileFormat:
+    """The format of one file: that of all, and what it has of its own."""
+    if not own:
+        return form
+    changes = {
+        name: {**form.changes.get(name, {}), **own.get(name, {})}
+        for name in {**form.changes, **own}
+    }
+    return replace(form, changes=changes)
 
 
 def _model(toml: Path, plan: Plan, files: dict[Path, Columns]) -> Model:
@@ -287,6 +333,8 @@ def _recording(
         held_out=entry.held_out,
         sha256=columns.sha256,
         calibration_error={name: errors[name] for name in measured if name in errors},
+        sources={name: each for name, each in columns.sources.items() if name in part},
+        notes=columns.notes,
     )
 
 

@@ -1,15 +1,19 @@
 """Whether the data of a recording can be what they are said to be."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from tp_jax.recordings import clocks, rounding
 from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.entries import Entry
 from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.formats import Columns
 from tp_jax.recordings.noise import noise_level
+from tp_jax.recordings.odd_units import NAMES, Odd, advice, odd_units
+from tp_jax.recordings.readings import repeated
 from tp_jax.recordings.recording import Recording
 from tp_jax.recordings.sources import ColumnSource
 
@@ -19,6 +23,14 @@ WIDEST_PHI1 = 12.0
 """Span of phi1 [rad] above which it is taken for degrees: the spring would not stand it. phi2
 has no such bound, the ring may go round and round; nor has phi1 where the column may."""
 
+IF_IT_TURNS = "if the column turns round and round, rotates = true under [rig]"
+
+OFTEN = 0.05
+"""Share of rows that repeat the one before from which they are too many to be removed by hand."""
+
+FINER_PHI2 = 8.0
+"""Times that phi1 may have the noise of phi2 for both to be in one unit; degrees make it 57."""
+
 LEAP = np.pi
 """Way of phi1 [rad] from one sample to the next that no counted turns have."""
 
@@ -26,27 +38,83 @@ RATE_TOLERANCE = 0.05
 
 
 def check_times(columns: Columns) -> None:
-    """Faults times that are not finite or do not rise.
+    """Faults times that are not finite, do not rise, or leap by an hour of summer time.
 
     Raises:
-        CampaignError: at the first such row.
+        CampaignError: at the first such row, with what it is by the size of its fall.
     """
     t = columns.values["t"]
     _check_finite(columns, "t", 0, t.size)
+    source = columns.sources.get("t") or ColumnSource("t")
+    counted = None
+    if source.wrap is None:
+        factor = source.factor("t")
+        period = clocks.period_of((t - source.offset) / factor)
+        counted = None if period is None else (period, factor)
+    fall = clocks.fall_of(t, columns.dated, counted and counted[0] * counted[1])
+    if fall is None:
+        _check_repeated(columns)
+        return
+    i = fall.at
+    wrong = f"time runs backwards from {t[i - 1]:g} to {t[i]:g} s"
+    if fall.cause == "counter" and counted is not None:
+        period, factor = counted
+        given: dict[str, Any] = {"wrap": period}
+        unit = clocks.unit_of_step(factor * clocks.usual_step(t))
+        if source.unit is None and factor == 1.0 and unit is not None:
+            given = {"unit": unit, **given}
+        wrong += f", as the clock of a board does that starts anew after {period:.10g}"
+        mend = columns.advice({"t": given})
+    elif fall.cause == "hour":
+        if t[i] > t[i - 1]:
+            wrong = (
+                f"time leaps from {t[i - 1]:g} to {t[i]:g} s, an hour of summer time that begins"
+            )
+        else:
+            wrong += ", an hour of summer time that ends"
+        mend = columns.advice({"t": {"summer_time": True}})
+        if not columns.sources:
+            mend = "give times without summer time"
+    elif fall.cause == "row":
+        rows = [columns.numbers[j] for j in fall.rows]
+        wrong = f"{wrong}{in_rows(rows)}"
+        mend = f"remove the {'row' if len(rows) == 1 else 'rows'}, a gap in time is understood"
+    elif fall.cause == "order":
+        mend = "put the rows in order of time"
+    else:
+        wrong += ", as after a reset of the board or where two logs were joined"
+        mend = (
+            "split the file before this line, a file for each run, and leave out a driven one that "
+            "begins in motion"
+        )
+    raise CampaignError(columns.file, wrong, mend, columns.numbers[i])
+
+
+def _check_repeated(columns: Columns) -> None:
+    t = columns.values["t"]
     bad = np.flatnonzero(np.diff(t) <= 0.0)
     if not bad.size:
         return
     i = int(bad[0]) + 1
-    if t[i] == t[i - 1]:
-        again = [columns.numbers[j + 1] for j in bad if t[j + 1] == t[j]]
-        wrong = f"the time {t[i]:g} s is repeated"
-        mend = "remove one of the two rows"
-        if len(again) > 1:
-            wrong = f"the time {t[i]:g} s and others are repeated{in_rows(again)}"
-            mend = "remove one of each two rows"
+    same = repeated(columns.values)
+    quantum = rounding.rounded(t, same)
+    again = [columns.numbers[j + 1] for j in bad]
+    if quantum is not None:
+        raise CampaignError(
+            columns.file,
+            f"times are rounded to {quantum:.3g} s and repeated in {len(again)} rows, and the rows "
+            "do not come evenly or are too few to tell",
+            "write the times with more decimals",
+            columns.numbers[i],
+        )
+    if len(again) == 1:
+        wrong, mend = f"the time {t[i]:g} s is repeated", "remove one of the two rows"
     else:
-        wrong = f"time runs backwards from {t[i - 1]:g} to {t[i]:g} s"
-        mend = "put the rows in order of time, or split the file where a new run begins"
+        wrong = f"the time {t[i]:g} s and others are repeated{in_rows(again)}"
+        mend = "remove one of each two rows"
+        if len(again) > OFTEN * t.size and np.all(same[bad]):
+            often = t.size / np.unique(t).size
+            mend = f"keep one of {often:.3g} rows, as held = true under [format] does"
     raise CampaignError(columns.file, wrong, mend, columns.numbers[i])
 
 
@@ -88,6 +156,7 @@ def check_recording(
     sample_rate: float | None,
     rotates: bool = False,
     columns: Mapping[str, ColumnSource] | None = None,
+    odd: Mapping[str, Mapping[str, Odd]] | None = None,
 ) -> None:
     """Faults readings that start anew, degrees, rest, and another sample rate than the campaign's.
 
@@ -96,6 +165,7 @@ def check_recording(
         sample_rate: as the campaign states it [Hz], or None.
         rotates: whether the column may turn round and round.
         columns: where the campaign says that the columns are, for the mend.
+        odd: of `odd_ones`, where this one may be in another unit than the others.
 
     Raises:
         CampaignError: the recording is not what it is said to be.
@@ -105,7 +175,7 @@ def check_recording(
     if rotates:
         _check_turns(recording)
     else:
-        _check_angles(recording)
+        _check_angles(recording, odd)
     _check_motion(recording)
     if sample_rate is None:
         return
@@ -153,22 +223,53 @@ def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
         )
 
 
-def _check_angles(recording: Recording) -> None:
-    width = float(np.ptp(recording.phi1))
-    if width <= WIDEST_PHI1:
+def odd_ones(recordings: Sequence[Recording]) -> dict[str, dict[str, Odd]] | None:
+    """As `odd_units`, where phi1 of some recordings, and not of all, is too wide for radians."""
+    wide = [_too_wide(each) for each in recordings]
+    return odd_units(recordings) if any(wide) and not all(wide) else None
+
+
+def _too_wide(recording: Recording) -> bool:
+    return float(np.ptp(recording.phi1)) > WIDEST_PHI1
+
+
+def _check_angles(recording: Recording, odd: Mapping[str, Mapping[str, Odd]] | None = None) -> None:
+    if not _too_wide(recording):
         return
-    if whole_numbers(recording.phi1):
+    width = float(np.ptp(recording.phi1))
+    counts = whole_numbers(recording.phi1)
+    unit = None if counts else "deg" if np.radians(width) <= WIDEST_PHI1 else "mrad"
+    if odd is not None:  # the others are as they should be, and no unit is to be given for all
+        known = odd.get(recording.label, {})
+        turns = "" if "phi1" in known else f"; {IF_IT_TURNS}"
+        alike = known.get("phi2")
+        if alike is not None and alike.unit in ("deg", "gon") and unit == "deg":
+            unit = alike.unit  # of two sensors of one file
+        known = {"phi1": Odd(unit, 1.0), **known}
+        mine = {channel: each.unit for channel, each in known.items()}
+        told, *more = dict.fromkeys(each.named for each in known.values())
+        raise CampaignError(
+            recording.file,
+            f"phi1 spans {width:.4g}, too much for radians, in which other recordings are, and is "
+            f"probably in {' and '.join([told, *more])}",
+            f"{advice(recording, mine)}{turns}",
+        )
+    # sensors are alike: where phi2 has far less noise it is in another unit than phi1
+    both = recording.phi2 is None or noise_level(recording.t, recording.phi2) > (
+        noise_level(recording.t, recording.phi1) / FINER_PHI2
+    )
+    which = "phi1 and phi2" if both else "phi1"
+    if counts:
         raise CampaignError(
             recording.file,
             f"phi1 spans {width:.6g} in whole numbers, too much for radians and probably counts "
             "of an encoder",
-            "write counts = N, those of a whole turn, for phi1 and phi2 under [format.columns]",
+            f"write counts = N, those of a whole turn, for {which} under [format.columns]",
         )
     raise CampaignError(
         recording.file,
-        f"phi1 spans {width:.4g}, too much for radians and probably degrees",
-        'write unit = "deg" for phi1 and phi2 under [format.columns]; if the column turns round '
-        "and round, rotates = true under [rig]",
+        f"phi1 spans {width:.4g}, too much for radians and probably {NAMES[unit]}",
+        f'write unit = "{unit}" for {which} under [format.columns]; {IF_IT_TURNS}',
     )
 
 

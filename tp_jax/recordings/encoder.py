@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tp_jax.recordings.gaps import LONGEST_STEP
+from tp_jax.recordings.short import short_fields
 
 _USUAL_PERIODS = (
     2.0 * math.pi, math.pi, 360.0, 180.0, 400.0, 1.0, 1000.0,
@@ -44,6 +45,8 @@ class Leaps:
         at: indices of the samples after them.
         size: of the first leap, in the angle's unit.
     """
+
+    __repr__ = short_fields
 
     period: float | None
     at: np.ndarray

@@ -4,10 +4,10 @@ import math
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 from tp_jax.recordings.faults import CampaignError
-from tp_jax.recordings.format_section import read_format
+from tp_jax.recordings.format_section import read_changes, read_format
 from tp_jax.recordings.sections import Section, read_toml
 from tp_jax.recordings.sources import FileFormat
 from tp_jax.recordings.units import FREQUENCY, TIME
@@ -34,6 +34,7 @@ class Entry:
 
     Attributes:
         line: of its heading in the campaign.toml; None where there is none.
+        columns: where its columns differ from those of other files, name -> settings.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Entry:
     repeat: str | None = None
     held_out: bool = False
     line: int | None = None
+    columns: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ def _known(rig: Section, key: str) -> Known | None:
 def _entry(section: Section) -> Entry:
     section.only(
         "file", "omega", "frequency", "period", "unit", "forced", "drive", "span", "start",
-        "repeat", "held_out",
+        "repeat", "held_out", "columns",
     )  # fmt: skip
     name = section.text("file")
     if name is None:
@@ -169,6 +171,7 @@ def _entry(section: Section) -> Entry:
         repeat=section.text("repeat"),
         held_out=bool(section.flag("held_out")),
         line=section.line(),
+        columns=read_changes(section.section("columns")),
     )
 
 
@@ -209,7 +212,16 @@ def _span(section: Section, name: str) -> tuple[float, float] | None:
 
 def _check_entries(file: Path, entries: tuple[Entry, ...]) -> None:
     seen: dict[tuple, Entry] = {}
+    of_file: dict[str, Entry] = {}
     for entry in entries:
+        before = of_file.setdefault(os.path.abspath(entry.file), entry)
+        if entry.columns != before.columns:
+            raise CampaignError(
+                file,
+                f"{entry.name} is listed twice, with other columns",
+                "write the same columns beside it each time",
+                entry.line,
+            )
         # Same file however it is written: "a.csv" and "./a.csv".
         first = seen.setdefault((os.path.abspath(entry.file), entry.span), entry)
         if first is not entry:

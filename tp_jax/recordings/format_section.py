@@ -1,7 +1,6 @@
 """[format] of a campaign.toml: how the data files of other makers are laid out."""
 
-import math
-from typing import cast
+from typing import Any, cast
 
 from tp_jax.recordings import units
 from tp_jax.recordings.sections import Section, one_of
@@ -16,7 +15,7 @@ def read_format(section: Section | None) -> FileFormat:
     """
     if section is None:
         return FileFormat()
-    section.only("delimiter", "decimal", "skip_lines", "sheet", "columns")
+    section.only("delimiter", "decimal", "skip_lines", "sheet", "held", "columns")
     delimiter = section.text("delimiter")
     if delimiter is not None and (len(delimiter) != 1 or delimiter in "\r\n"):
         section.fault(
@@ -32,13 +31,36 @@ def read_format(section: Section | None) -> FileFormat:
             f'delimiter and decimal are both "{decimal}"', "say which of them it is", "delimiter"
         )
     columns = section.section("columns")
+    # without a column the names in the file stand, and only their settings are given
+    found = columns is not None and not any(
+        isinstance(each, dict) and "column" in each for each in columns.values.values()
+    )
     return FileFormat(
         delimiter=delimiter,
         decimal=decimal,
         skip_lines=section.whole("skip_lines"),
-        columns={} if columns is None else _columns(columns),
+        columns={} if columns is None or found else _columns(columns),
         sheet=section.text("sheet"),
+        held=bool(section.flag("held")),
+        changes=read_changes(columns) if found else {},
     )
+
+
+def read_changes(section: Section | None) -> dict[str, dict[str, Any]]:
+    """Settings of columns that are found otherwise, name -> setting -> value.
+
+    Raises:
+        CampaignError: it says something that cannot be.
+    """
+    if section is None:
+        return {}
+    section.only(*NAMES)
+    found = {}
+    for name in section.values:
+        source = _column(section, name, whole=False)
+        given = cast(Section, section.section(name)).values
+        found[name] = {key: getattr(source, key) for key in given}
+    return found
 
 
 def _columns(columns: Section) -> dict[str, ColumnSource]:
@@ -59,12 +81,15 @@ def _columns(columns: Section) -> dict[str, ColumnSource]:
     return sources
 
 
-def _column(columns: Section, name: str) -> ColumnSource:
+def _column(columns: Section, name: str, whole: bool = True) -> ColumnSource:
+    """The source of a column; `whole`: it must say which column it is."""
     section = cast(Section, columns.section(name))
-    section.only("column", "unit", "counts", "wrap", "minus", "scale", "offset")
+    section.only("column", "unit", "counts", "wrap", "minus", "scale", "offset", "summer_time")
     column = section.values.get("column")
     if isinstance(column, int):
         column = section.whole("column")
+    if column is None and not whole and "column" not in section.values:
+        column = name
     if column is None or not isinstance(column, int | str):
         columns.fault(
             f"{name} in {columns.title} lacks the column it comes from",
@@ -82,12 +107,15 @@ def _column(columns: Section, name: str) -> ColumnSource:
             "remove one of the two" if unit is not None else "remove it",
             name,
         )
-    source = ColumnSource(
+    summer_time = bool(section.flag("summer_time"))
+    if summer_time and name != "t":
+        section.fault(
+            f"summer_time of {name} is given, but {name} is no time", "remove it", "summer_time"
+        )
+    return ColumnSource(
         column, 1.0 if scale is None else scale, offset or 0.0, unit, counts,
-        minus=section.text("minus"),
+        _wrap(section, name), section.text("minus"), summer_time,
     )  # fmt: skip
-    wrap = _wrap(section, source, name)
-    return source if wrap is None else ColumnSource(**{**vars(source), "wrap": wrap})
 
 
 def _unit(columns: Section, section: Section, name: str) -> str | None:
@@ -104,13 +132,11 @@ def _unit(columns: Section, section: Section, name: str) -> str | None:
     return unit
 
 
-def _wrap(section: Section, source: ColumnSource, name: str) -> float | None:
-    """After how many of the cell's units a reading starts anew; true: after a turn."""
+def _wrap(section: Section, name: str) -> float | bool | None:
+    """After how many of the cell's units a reading starts anew; True: it is to be found out."""
     value = section.values.get("wrap")
     if value is None or value is False:
         return None
-    if units.of(name) is not units.ANGLE:
+    if not units.of(name):
         section.fault(f"wrap of {name} is given, but {name} is no angle", "remove it", "wrap")
-    if value is True:
-        return abs(2.0 * math.pi / source.factor(name))
-    return section.positive("wrap")
+    return True if value is True else section.positive("wrap")

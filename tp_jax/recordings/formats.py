@@ -6,21 +6,26 @@ described by a `FileFormat`, and files of other kinds, each by a library (`table
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tp_jax.recordings.cells import parse, split
-from tp_jax.recordings.faults import CampaignError, listed, nearest
+from tp_jax.recordings.clock_times import is_date_or_clock
+from tp_jax.recordings.faults import CampaignError, in_rows, listed, nearest
+from tp_jax.recordings.joined import check_joined
 from tp_jax.recordings.kinds import kind_of
 from tp_jax.recordings.layout import Layout, layout_of
-from tp_jax.recordings.lines import Lines, as_lines, read_bytes
+from tp_jax.recordings.lines import Lines, as_lines, read_bytes, without_separators
+from tp_jax.recordings.readings import readings
+from tp_jax.recordings.short import short_fields
 from tp_jax.recordings.sources import NAMES as NAMES
 from tp_jax.recordings.sources import REQUIRED as REQUIRED
 from tp_jax.recordings.sources import ColumnSource as ColumnSource
 from tp_jax.recordings.sources import FileFormat as FileFormat
-from tp_jax.recordings.sources import from_header, values_of
+from tp_jax.recordings.sources import from_header, toml_table
 from tp_jax.recordings.units import parted
 
 MAP = " or say where it is under [format.columns] in campaign.toml, which `tp-jax init` writes"
@@ -36,13 +41,46 @@ class Columns:
         numbers: 1-based line in the file of each of the n rows.
         header: 1-based line of the header; None where there is none.
         sha256: of the file's bytes.
+        sources: name -> where it came from; empty without a file.
+        form: the format it was read by.
+        dated: times were written as dates or clock times.
+        notes: what was done to the rows, a sentence each, without its end.
+        thinned: of rows that say the same only one was kept.
     """
+
+    __repr__ = short_fields
 
     file: Path
     values: Mapping[str, np.ndarray]
     numbers: Sequence[int]
     header: int | None
     sha256: str
+    sources: Mapping[str, ColumnSource] = field(default_factory=dict)
+    form: FileFormat = field(default_factory=FileFormat)
+    dated: bool = False
+    notes: tuple[str, ...] = ()
+    thinned: bool = False
+
+    def advice(self, changes: Mapping[str, Mapping[str, Any]], alone: bool = False) -> str:
+        """What to write in a campaign.toml for columns to be read with other settings.
+
+        Args:
+            changes: name of a column -> its settings.
+            alone: other files are not to be read like that.
+        """
+        if alone:
+            return f'write columns = {toml_table(changes)} beside file = "{self.file.name}"'
+        whole = bool(self.form.columns)
+        told = ", ".join(
+            f"{name} = "
+            + (
+                self.sources[name].changed(given).toml()
+                if whole
+                else toml_table({**self.form.changes.get(name, {}), **given})
+            )
+            for name, given in changes.items()
+        )
+        return f"write {told} under [format.columns]"
 
 
 def read_columns(
@@ -66,7 +104,7 @@ def read_columns(
         from tp_jax.recordings.tables import read_table
 
         return read_table(file, raw, kind, form, wanted)
-    lines = as_lines(file, raw)
+    lines, left_out = without_separators(as_lines(file, raw), form.skip_lines or 0)
     layout = layout_of(lines, form)
     if layout.first >= len(lines.text):
         raise CampaignError(
@@ -76,22 +114,47 @@ def read_columns(
             lines.numbers[-1],
         )
     row = split(lines.text[layout.first], layout.delimiter)
-    sources = _sources(lines, layout, row, form)
+    sources = changed(_sources(lines, layout, row, form), form)
     chosen = chosen_sources(sources, wanted)
     positions = {
         name: _position(lines, layout, name, source.column, row) for name, source in chosen.items()
     }
+    check_joined(lines, layout, positions.get("t"))
     cells = parse(
         lines, layout.first, positions, layout.delimiter, layout.decimal, model_row=layout.like
     )
-    values = values_of(chosen, cells)
+    dated = is_date_or_clock(row[positions["t"]])
+    read = readings(file, chosen, cells, dated=dated, held=form.held)
+    numbers = lines.numbers[layout.first :]
     return Columns(
         file=file,
-        values={name: values[name] for name in wanted if name in values},
-        numbers=lines.numbers[layout.first :],
+        values={name: read.values[name] for name in wanted if name in read.values},
+        numbers=numbers if read.rows.size == len(numbers) else [numbers[i] for i in read.rows],
         header=None if layout.header_at is None else lines.numbers[layout.header_at],
         sha256=lines.sha256,
+        sources=chosen,
+        form=form,
+        dated=dated,
+        notes=(*empty_rows(file, left_out, lines.numbers[layout.first]), *read.notes),
+        thinned=read.rows.size < len(numbers),
     )
+
+
+def empty_rows(file: Path, left_out: Sequence[int], first: int) -> tuple[str, ...]:
+    """A note of rows of separators only, those above the first row of numbers not counted."""
+    among = [number for number in left_out if number > first]
+    if not among:
+        return ()
+    told = in_rows(among) or f", in line {among[0]}"
+    return (f"{file}: empty rows, of separators only, were left out{told}",)
+
+
+def changed(sources: Mapping[str, ColumnSource], form: FileFormat) -> dict[str, ColumnSource]:
+    """The sources with what one file has of its own."""
+    out = dict(sources)
+    for name, given in form.changes.items():
+        out[name] = out.get(name, ColumnSource(name)).changed(given)
+    return out
 
 
 def chosen_sources(

@@ -8,6 +8,9 @@ from pathlib import Path
 from tp_jax._files import bytes_of
 from tp_jax.recordings.faults import CampaignError, nearest, reason
 
+_SEPARATORS = ",;|\"' \t\v\f\xa0\x1a"
+"""What an empty row of a table is written with, and the end of a file in DOS."""
+
 
 @dataclass(frozen=True)
 class Lines:
@@ -60,6 +63,22 @@ def as_lines(file: Path, raw: bytes) -> Lines:
         numbers=[i for _, i in kept],
         sha256=hashlib.sha256(raw).hexdigest(),
     )
+
+
+def without_separators(lines: Lines, keep: int = 0) -> tuple[Lines, list[int]]:
+    """The lines that hold more than delimiters, as `;;;`, and the numbers of those left out.
+
+    Args:
+        lines: of a file.
+        keep: how many lines at the top stay as they are.
+    """
+    bare = [i >= keep and not line.strip(_SEPARATORS) for i, line in enumerate(lines.text)]
+    if not any(bare) or all(bare):
+        return lines, []
+    kept = [i for i, out in enumerate(bare) if not out]
+    left_out = [lines.numbers[i] for i, out in enumerate(bare) if out]
+    text, numbers = [lines.text[i] for i in kept], [lines.numbers[i] for i in kept]
+    return Lines(lines.file, text, numbers, lines.sha256), left_out
 
 
 def read_lines(file: Path) -> Lines:

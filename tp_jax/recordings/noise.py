@@ -64,6 +64,11 @@ def noise_level(t: np.ndarray, y: np.ndarray, colour: Colour | None = None) -> f
     return _level(t, y, colour)[0]
 
 
+def noise_level_and_error(t: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """As `noise_level`, and its relative standard error."""
+    return _level(t, y, None)
+
+
 def _level(t: np.ndarray, y: np.ndarray, colour: Colour | None) -> tuple[float, float]:
     """Level of one channel, and its relative standard error."""
     t, y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)

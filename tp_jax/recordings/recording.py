@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tp_jax.recordings.calibration_error import CalibrationError
+from tp_jax.recordings.sources import ColumnSource
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,8 @@ class Recording:
             that was cut keep the clock of the whole.
         calibration_error: channel -> how far its calibration may have put it off; channels of
             which that is not known are absent.
+        sources: channel -> where in the file it came from, with its unit; empty without a file.
+        notes: what was done to the rows when they were read, a sentence each, without its end.
     """
 
     name: str
@@ -57,6 +60,22 @@ class Recording:
     sha256: str
     calibration_error: Mapping[str, CalibrationError] = field(default_factory=dict)
     drift_over: tuple[float, float] | None = None
+    sources: Mapping[str, ColumnSource] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        drive = (
+            "free decay"
+            if not self.forced
+            else "measured drive"
+            if self.omega is None
+            else (f"omega={self.omega:.6g}")
+        )
+        more = ", held out" if self.held_out else ""
+        return (
+            f"Recording({self.label!r}, {' and '.join(self.channels)}, {self.n} samples in "
+            f"{self.duration:.4g} s, {drive}{more})"
+        )
 
     def __post_init__(self) -> None:
         for name in ("t", "phi1", "phi2", "drive"):

@@ -1,12 +1,15 @@
 """Where a column of a recording comes from, and how a reading becomes seconds or radians."""
 
+import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from tp_jax.recordings import units
+from tp_jax.recordings import clocks, units
+from tp_jax.recordings.short import short_fields
 
 NAMES = ("t", "phi1", "phi2", "drive")
 """The columns a recording can have."""
@@ -24,7 +27,9 @@ class ColumnSource:
         offset: in the recording's unit.
         unit: the file's, a name of `units`; None: seconds or radians.
         counts: of an encoder in a whole turn, where the cells are counts.
-        wrap: after how many of the cell's own units the reading starts anew; None: it never does.
+        wrap: after how many of the cell's own units the reading starts anew; None: it never does;
+            True: after a whole turn, and a clock after what its fall tells.
+        summer_time: local times, without the hour by which they fall back or spring ahead.
         minus: name of the column that is to be taken off, in the recording's unit.
     """
 
@@ -33,8 +38,11 @@ class ColumnSource:
     offset: float = 0.0
     unit: str | None = None
     counts: float | None = None
-    wrap: float | None = None
+    wrap: float | bool | None = None
     minus: str | None = None
+    summer_time: bool = False
+
+    __repr__ = short_fields
 
     def factor(self, name: str) -> float:
         """Seconds or radians per unit of the cell, for the column of this name."""
@@ -42,13 +50,52 @@ class ColumnSource:
             return self.scale * 2.0 * math.pi / self.counts
         return self.scale * (1.0 if self.unit is None else units.of(name)[self.unit])
 
+    def period(self, name: str, cells: np.ndarray) -> float | None:
+        """After how many of the cell's own units the reading starts anew; None: it does not."""
+        if self.wrap is not True:
+            return self.wrap or None
+        if name == "t":
+            return clocks.period_of(cells)
+        return abs(2.0 * math.pi / self.factor(name))
+
     def apply(self, name: str, cells: np.ndarray) -> np.ndarray:
-        """(n,) values of the column of this name, `minus` not yet taken off."""
-        if self.wrap is not None:
-            cells = unwrapped(cells, self.wrap)
+        """(n,) values of the column of this name, `minus` and hours not yet taken off."""
+        period = self.period(name, cells)
+        if period is not None:
+            cells = clocks.counted_on(cells, period)[0] if name == "t" else unwrapped(cells, period)
         factor = self.factor(name)
         # bit for bit what was written, where there is nothing to be done
         return cells if (factor, self.offset) == (1.0, 0.0) else cells * factor + self.offset
+
+    def changed(self, given: Mapping[str, Any]) -> "ColumnSource":
+        """With other settings; a unit and counts of an encoder take each other's place."""
+        if "unit" in given:
+            return replace(self, **{"counts": None, **given})
+        return replace(self, **({"unit": None} if "counts" in given else {}), **given)
+
+    def toml(self) -> str:
+        """As it is written in a campaign.toml."""
+        own = {name: value for name, value in vars(self).items() if value != _PLAIN.get(name)}
+        return toml_table(own)
+
+
+_PLAIN = {
+    "scale": 1.0, "offset": 0.0, "unit": None, "counts": None, "wrap": None, "minus": None,
+    "summer_time": False,
+}  # fmt: skip
+
+
+def toml_table(settings: Mapping[str, Any]) -> str:
+    """Settings in braces, `{ unit = "ms", wrap = true }`; tables may be in it."""
+    return "{ " + ", ".join(f"{name} = {_toml(value)}" for name, value in settings.items()) + " }"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return toml_table(value)
+    if isinstance(value, float):
+        return f"{value:.0f}" if value.is_integer() else f"{value:.10g}"
+    return json.dumps(value, ensure_ascii=False)
 
 
 @dataclass(frozen=True)
@@ -63,6 +110,8 @@ class FileFormat:
         columns: name in the recording -> where it is in the file; empty: by the file's header,
             or in the order t, phi1, phi2.
         sheet: of a workbook; None: the first.
+        held: readings are held, and of rows that repeat one only the first is to be kept.
+        changes: of one file beside all others, name in the recording -> its own settings.
     """
 
     delimiter: str | None = None
@@ -70,6 +119,8 @@ class FileFormat:
     skip_lines: int | None = None
     columns: Mapping[str, ColumnSource] = field(default_factory=dict)
     sheet: str | None = None
+    held: bool = False
+    changes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 def unwrapped(cells: np.ndarray, period: float) -> np.ndarray:
@@ -84,22 +135,6 @@ def unwrapped(cells: np.ndarray, period: float) -> np.ndarray:
     counted = cells.copy()
     counted[finite] = np.unwrap(cells[finite], period=period)
     return counted - period * np.round(np.median(counted[finite]) / period)
-
-
-def values_of(
-    sources: Mapping[str, ColumnSource], cells: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    """Columns of cells in seconds and radians, name -> (n,) values.
-
-    A column that another is counted from must be among them.
-    """
-    values = {name: sources[name].apply(name, column) for name, column in cells.items()}
-    absolute = dict(values)
-    for name in values:
-        minus = sources[name].minus
-        if minus is not None:
-            values[name] = absolute[name] - absolute[minus]
-    return values
 
 
 def from_header(header: list[str], below: list[str]) -> dict[str, ColumnSource]:

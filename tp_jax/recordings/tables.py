@@ -11,10 +11,17 @@ import numpy as np
 from tp_jax.recordings.cells import number
 from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
 from tp_jax.recordings.faults import CampaignError, listed
-from tp_jax.recordings.formats import MAP, Columns, chosen_sources, position_by_name
+from tp_jax.recordings.formats import (
+    MAP,
+    Columns,
+    changed,
+    chosen_sources,
+    position_by_name,
+)
 from tp_jax.recordings.kinds import Kind
 from tp_jax.recordings.readers import Unreadable
-from tp_jax.recordings.sources import ColumnSource, FileFormat, from_header, values_of
+from tp_jax.recordings.readings import readings
+from tp_jax.recordings.sources import ColumnSource, FileFormat, from_header
 
 
 def read_table(
@@ -27,23 +34,30 @@ def read_table(
     """
     table = read_named(file, kind, form.sheet)
     names = list(table)
-    sources = form.columns or from_header(names, [])
+    sources = changed(form.columns or from_header(names, []), form)
     chosen = chosen_sources(sources, wanted)
     if not form.columns and not {"t", "phi1"} <= {*chosen} & {*_found(chosen, names)}:
         lengths = {array.size for array in table.values()}
         if len(names) in (2, 3) and len(lengths) == 1 and all("[" in name for name in names):
             chosen = {n: ColumnSource(i) for i, n in enumerate(wanted[: len(names)])}
-    cells = {}
+    cells, dated = {}, False
     for name, source in chosen.items():
-        cells[name] = _column(file, kind, name, source.column, table)
+        column = _column(file, kind, name, source.column, table)
+        cells[name] = as_numbers(file, name, column)
+        dated = dated or (name == "t" and is_dated(column))
     _check_lengths(file, cells)
-    values = values_of(chosen, cells)
+    read = readings(file, chosen, cells, dated=dated, held=form.held)
     return Columns(
         file=file,
-        values={name: values[name] for name in wanted if name in values},
-        numbers=range(1, len(values["t"]) + 1),
+        values={name: read.values[name] for name in wanted if name in read.values},
+        numbers=(read.rows + 1).tolist(),
         header=None,
         sha256=hashlib.sha256(raw).hexdigest(),
+        sources=chosen,
+        form=form,
+        dated=dated,
+        notes=read.notes,
+        thinned=read.rows.size < cells["t"].size,
     )
 
 
@@ -99,7 +113,7 @@ def _column(
             return CampaignError(file, f"this is {kind.name}, and {wrong}", mend)
 
         column = names[position_by_name(column, names, fault)]
-    return as_numbers(file, name, table[column])
+    return table[column]
 
 
 def as_numbers(file: Path, name: str, cells: np.ndarray) -> np.ndarray:
@@ -127,6 +141,13 @@ def as_numbers(file: Path, name: str, cells: np.ndarray) -> np.ndarray:
                 "remove the row, a gap in time is understood", i + 1,
             )  # fmt: skip
     return np.array(found, dtype=float)
+
+
+def is_dated(cells: np.ndarray) -> bool:
+    """Whether cells are dates or clock times."""
+    if cells.dtype.kind in "fiubm" or not cells.size:
+        return False
+    return cells.dtype.kind == "M" or is_date_or_clock(_text(cells[0]))
 
 
 def _text(cell: Any) -> str:

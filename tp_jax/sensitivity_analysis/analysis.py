@@ -45,6 +45,10 @@ class SensitivityAnalysis:
     fit: Fit
     profiles: tuple[Profile, ...]
 
+    def __repr__(self) -> str:
+        profiles = f", {len(self.profiles)} profiles" if self.profiles else ""
+        return f"SensitivityAnalysis({', '.join(self.result)}{profiles})"
+
     def to_dict(self) -> dict[str, Any]:
         """Schema tp-jax/sensitivity/1."""
         return self.result
