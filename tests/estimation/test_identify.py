@@ -167,8 +167,8 @@ def test_a_solver_of_ones_own(campaign):
 
     own = tp.identify(campaign, solver=Mine(rtol=1e-6, atol=1e-2, norm=optx.rms_norm))
     usual = tp.identify(campaign)
-    assert own["method"] == "Mine"
-    assert own["objective"] == pytest.approx(usual["objective"], abs=1.0)
+    assert own.result["method"] == "Mine"
+    assert own.result["objective"] == pytest.approx(usual.result["objective"], abs=1.0)
     with pytest.raises(tp.InputError, match="solver or minimiser of optimistix"):
         tp.identify(campaign, solver=42)
 
