@@ -35,7 +35,7 @@ def test_the_readme_quotes_the_rates():
     rows = {row[0]: row[1:] for row in sheets(scored)[0].rows}
     hidden, detectable = rows["cause, first named"]
     alarms, _ = rows["false alarms, nothing hidden"]
-    assert f"hid effects in {scored['cases']} virtual rigs" in text
+    assert f"trial diagnosed {scored['cases']} virtual rigs" in text
     assert f"named first in {hidden}, and in {detectable} of" in text
     assert f"{alarms} raised a false alarm" in text
 
