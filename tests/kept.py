@@ -36,7 +36,7 @@ HIDDEN = 0.5
 
 
 def recorded() -> Diagnosis:
-    """Of what the virtual rig recorded: the README's second example, through the real commands."""
+    """Of what the virtual rig recorded: the example of docs/recording.md, by the real commands."""
 
     def find() -> dict[str, Any]:
         folder = recorded_folder()

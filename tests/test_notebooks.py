@@ -24,9 +24,10 @@ _PRIVATE = re.compile(r"/(home|root|tmp|work|Users)/|0x[0-9a-f]{8,}|\x1b\[")
 # A notebook shows what takes a minute or three; that each of its lines runs is seen with less.
 SMALLER = {
     "do_gradients_help": {
-        "(6, len(PLACES))": "(2, len(PLACES))", "RUNS = 1000": "RUNS = 40",
+        "STARTS = 64": "STARTS = 2", "np.arange(1201)": "np.arange(301)",
+        "iterations=400": "iterations=5", "max_steps=60": "max_steps=3",
+        "COMPILING = 2": "COMPILING = 1", "repeats=20": "repeats=2",
         "np.linspace(-0.1, 1.0, 45)": "np.linspace(-0.1, 1.0, 5)",
-        "(0.3, 0.6, 1.2, 2.4, 4.8)": "(0.3, 0.6)", "fit, 60)": "fit, 10)",
     },
     "from_how_far_away": {
         "runs=4, duration=6.0": "runs=2, duration=2.0", "starts=17": "starts=3",
