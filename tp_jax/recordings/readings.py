@@ -33,6 +33,8 @@ class Readings:
     notes: tuple[str, ...]
 
 
+# Cells may hold any number: what a step of 1e308 is called, infinite or not, decides nothing here.
+@np.errstate(over="ignore", invalid="ignore")
 def readings(
     file: Path,
     sources: Mapping[str, ColumnSource],
