@@ -11,9 +11,10 @@ PACKAGE = Path(__file__).parent.parent / "tp_jax"
 
 # Layer -> the layers it may import, besides itself and EVERYWHERE. The root, tp_jax itself, is
 # for the command line alone: its lazy names reach everywhere.
-EVERYWHERE = {"errors", "_files", "_tails", "_version", "schemas"}
+EVERYWHERE = {"errors", "_digits", "_files", "_tails", "_version", "schemas"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
+    "_digits": set(),
     "_files": set(),
     "_memory": set(),
     "_tails": set(),

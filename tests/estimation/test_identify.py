@@ -173,6 +173,14 @@ def test_a_solver_of_ones_own(campaign):
         tp.identify(campaign, solver=42)
 
 
+def test_no_number_is_printed_outside_its_interval(found):
+    table = [line.split() for line in found.summary().splitlines()]
+    seen = [row for row in table if len(row) > 4 and row[3] == "to"]
+    assert len(seen) > 4
+    for _, value, low, _, high, *_ in seen:
+        assert float(low) < float(value) < float(high)
+
+
 def test_methods_have_names():
     assert METHODS[:2] == ("least-squares", "nelder-mead")
     assert set(METHODS[2:]) == {"levenberg-marquardt", "dogleg", "gauss-newton", "bfgs"}

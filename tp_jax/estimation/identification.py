@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tp_jax._digits import digits_of
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit
@@ -44,12 +45,12 @@ class Identification:
         lines.append(f"{'':8}{'value':>12}  {'95 % interval':<26} unit")
         for name, p in r["parameters"].items():
             low, high = p["ci95"] or (None, None)
-            if p["ci95"] is None:
-                span = "fixed"
-            else:
-                span = "at its bound" if high is None else f"{low:.4g} to {high:.4g}"
+            digits, span = 5, "fixed" if p["ci95"] is None else "at its bound"
+            if high is not None:
+                digits = digits_of(p["value"], low, high)
+                span = f"{low:.{digits}g} to {high:.{digits}g}"
             mark = "" if p["identifiable"] else "  not identifiable"
-            lines.append(f"{name:8}{p['value']:12.5g}  {span:<26} {p['unit']}{mark}")
+            lines.append(f"{name:8}{p['value']:12.{digits}g}  {span:<26} {p['unit']}{mark}")
         lines.append(told(r["success"], r["starts"]))
         lines += [f"Warning: {w['text']}" for w in r["warnings"]]
         return "\n".join(lines)

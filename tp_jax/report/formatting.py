@@ -4,11 +4,11 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from tp_jax._digits import digits_of
 from tp_jax.schemas.checking import LARGEST
 
 MISSING = "–"
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-_MOST_DIGITS = 9
 _SMALLEST, _LARGEST = -3, 5  # powers of ten written out
 
 
@@ -97,13 +97,7 @@ def estimate(value: Any, ci95: Any) -> tuple[str, str]:
     x, ends = finite(value), bounds(ci95)
     if x is None or ends is None:
         return number(value), "" if ends is None else f"{number(ends[0])} to {number(ends[1])}"
-    largest, width = max(abs(x), abs(ends[0]), abs(ends[1])), ends[1] - ends[0]
-    if width <= 0.0 or largest == 0.0:
-        digits = 3
-    else:
-        # two digits of the half width; counted from the largest number's first
-        digits = math.floor(math.log10(largest)) - math.floor(math.log10(width / 2.0)) + 2
-    digits = min(max(digits, 3), _MOST_DIGITS)
+    largest, digits = max(abs(x), abs(ends[0]), abs(ends[1])), digits_of(x, *ends)
     place = math.floor(math.log10(largest)) if largest else 0
     if _SMALLEST <= place <= _LARGEST:  # one number of decimals for all three
         decimals = max(digits - 1 - place, 0)
