@@ -173,6 +173,13 @@ def test_a_solver_of_ones_own(campaign):
         tp.identify(campaign, solver=42)
 
 
+def test_its_repr_is_a_line(found):
+    text = repr(found)
+    assert text.startswith("Identification('synthetic' by least-squares: ")
+    assert "k=0.4" in text
+    assert len(text) < 300
+
+
 def test_no_number_is_printed_outside_its_interval(found):
     table = [line.split() for line in found.summary().splitlines()]
     seen = [row for row in table if len(row) > 4 and row[3] == "to"]

@@ -30,6 +30,7 @@ def test_cause_is_named_and_the_gap_is_gone(short_diagnosis):
     assert len(list(kept.recorded_folder().glob("*.csv"))) == 6
     assert len(d["gap"]["held_out"]) == 1
     assert d["gap"]["horizon_s"] >= 0.5
+    assert ": explained by contact_stribeck, shrink " in repr(short_diagnosis)
 
 
 def test_every_field_is_there(short_diagnosis):

@@ -27,6 +27,11 @@ class Identification:
     fit: Fit
     trials: tuple[Trial, ...] = ()
 
+    def __repr__(self) -> str:
+        r = self.result
+        told = ", ".join(f"{name}={value:.4g}" for name, value in self.parameters.items())
+        return f"Identification({r['campaign']!r} by {r['method']}: {told})"
+
     @property
     def parameters(self) -> dict[str, float]:
         """Value of each parameter by name [SI units]."""

@@ -22,6 +22,12 @@ class Diagnosis:
 
     result: dict[str, Any]
 
+    def __repr__(self) -> str:
+        by = f" by {' and '.join(self.causes)}" if self.causes else ""
+        shrink = self.result["gap"]["shrink"]
+        part = f", shrink {shrink:.3g}" if self.causes and shrink is not None else ""
+        return f"Diagnosis({self.result['campaign']!r}: {self.verdict}{by}{part})"
+
     @property
     def verdict(self) -> str:
         """explained, no_gap or unknown."""
