@@ -88,14 +88,16 @@ def lossy(recording: Recording, seed: int, *lost: tuple[float, float]) -> Record
     )
 
 
-def synthetic_campaign(noise: float = 1e-3, duration: float = 3.0, seed: int = 0) -> Campaign:
-    """A decay and two forced recordings of the bench, with white noise."""
+def synthetic_campaign(
+    noise: float = 1e-3, duration: float = 3.0, seed: int = 0, **other: float
+) -> Campaign:
+    """A decay and two forced recordings of the bench (or other numbers), with white noise."""
     rng = np.random.default_rng(seed)
     ts = np.arange(round(duration * RATE) + 1) / RATE
     recordings = []
     for omega in (None, 13.09, 17.0):
         driven = omega is not None
-        p = BENCH | (dict(omega=omega) if driven else dict(A=0.0))
+        p = BENCH | other | (dict(omega=omega) if driven else dict(A=0.0))
         y0 = np.zeros(4) if driven else np.array([1.2, 0.0, 0.0, 0.0])
         y = reference(p, ts, y0)[:, :2] + noise * rng.standard_normal((ts.size, 2))
         name = f"run-{omega:.0f}.csv" if driven else "decay.csv"

@@ -173,6 +173,18 @@ def test_a_solver_of_ones_own(campaign):
         tp.identify(campaign, solver=42)
 
 
+def test_what_makes_up_for_a_number_that_is_not_told_is_not_called_sure():
+    """A rider with Coulomb friction alone: how soon Tst rises has no meaning."""
+    free = tp.identify(synthetic_campaign(Tst=0.0)).to_dict()
+    assert not free["parameters"]["T0"]["identifiable"]
+    for name, truth in (("Ts1", BENCH["Ts1"]), ("Tst", 0.0)):
+        low, high = free["parameters"][name]["ci95"]
+        assert low <= truth <= (np.inf if high is None else high), name
+    ridge = next(w for w in free["warnings"] if w["code"] == "ridge")
+    assert ridge["parameters"][0] == "T0"
+    assert "may be anything from" in ridge["text"]
+
+
 def test_its_repr_is_a_line(found):
     text = repr(found)
     assert text.startswith("Identification('synthetic' by least-squares: ")

@@ -1,6 +1,7 @@
 """What `identify` found, as plain numbers and in words."""
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -8,7 +9,6 @@ import numpy as np
 
 from tp_jax._digits import digits_of
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.multistart import Trial
 from tp_jax.model.parameters import BASE
@@ -52,7 +52,7 @@ class Identification:
             low, high = p["ci95"] or (None, None)
             digits, span = 5, "fixed" if p["ci95"] is None else "at its bound"
             if high is not None:
-                digits = digits_of(p["value"], low, high)
+                digits = max(digits_of(p["value"], low, high), 4)
                 span = f"{low:.{digits}g} to {high:.{digits}g}"
             mark = "" if p["identifiable"] else "  not identifiable"
             lines.append(f"{name:8}{p['value']:12.{digits}g}  {span:<26} {p['unit']}{mark}")
@@ -78,9 +78,8 @@ def told(success: dict[str, Any], starts: Sequence[dict[str, Any]]) -> str:
     return text + "."
 
 
-def parameter_table(fit: Fit, setting: Setting) -> dict[str, dict]:
-    """Every parameter: value, unit, ci95, whether the data identify it."""
-    found = intervals(fit, setting)
+def parameter_table(found: dict[str, dict], setting: Setting) -> dict[str, dict]:
+    """Every parameter: value, unit, ci95, whether the data identify it; found: see `intervals`."""
     out = {}
     for p in BASE:
         if p.name in found:
@@ -96,8 +95,8 @@ def _held(value: float, unit: str) -> dict[str, Any]:
     return {"value": value, "unit": unit, "ci95": None, "identifiable": True}
 
 
-def warnings(fit: Fit, setting: Setting) -> list[dict]:
-    """What a user must know before using the numbers."""
+def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[dict]:
+    """What a user must know before using the numbers; entries: see `intervals`."""
     found = []
     torques = [p.name for p in BASE if p.per_inertia]
     if setting.campaign.B1 is None and "B1" not in setting.fixed:
@@ -112,13 +111,20 @@ def warnings(fit: Fit, setting: Setting) -> list[dict]:
         )
         found.append(_warning("unidentifiable", ["Ts2"], text))
     base = {p.name for p in BASE}
-    loose = [n for n, e in intervals(fit, setting).items() if not e["identifiable"] and n in base]
+    loose = [n for n, e in entries.items() if not e["identifiable"] and n in base]
     if loose:
         text = f"These recordings do not tell {', '.join(loose)}."
         found.append(_warning("unidentifiable", loose, text))
     bound = [u.name for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if b]
     if bound:
         found.append(_warning("at_bound", bound, f"At a bound: {', '.join(bound)}."))
+    for held in dict.fromkeys(e["ridge"] for e in entries.values() if "ridge" in e):
+        partners = [n for n, e in entries.items() if e.get("ridge") == held and n != held]
+        low, high = entries[held]["ci95"]
+        text = f"{held} may be anything from {low:.4g} to {high or math.inf:.4g}"
+        if partners:
+            text += f"; {', '.join(partners)} make up for it, and their intervals hold all of that"
+        found.append(_warning("ridge", [held, *partners], f"{text}."))
     if fit.chi2_dof > 1.2:
         text = (
             f"The misfit is {fit.chi2_dof:.3g} times the noise: the model lacks something; run "

@@ -26,6 +26,7 @@ from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.multistart import Trial, search
 from tp_jax.estimation.noise_levels import fitted_noise, with_noise
 from tp_jax.estimation.optimistix_methods import Solver
+from tp_jax.estimation.ridges import intervals_over_ridges
 from tp_jax.estimation.robust import LOSSES, Loss
 from tp_jax.estimation.starts import Sampling
 from tp_jax.estimation.starts import starts as made_starts
@@ -126,6 +127,7 @@ def identify(
     fit = _rebuilt(ladder, trials[best])
     if noise == "fit":
         fit, setting = _with_fitted_noise(ladder, fit)
+    entries = intervals_over_ridges(fit, setting, loss)
     lowest = trials[best].end.cost
     reached = [t.end.cost - lowest <= REACHED for t in trials]
     found = success(reached, [t.alone for t in trials])
@@ -135,13 +137,13 @@ def identify(
         "model": model,
         "method": name,
         "objective_kind": aim,
-        "parameters": parameter_table(fit, setting),
+        "parameters": parameter_table(entries, setting),
         "objective": trials[best].end.objective,
         "chi2_dof": fit.chi2_dof,
         "noise_floor": dict(setting.noise),
         "starts": [t.record(i) for i, t in enumerate(trials)],
         "success": found.to_dict(),
-        "warnings": [*warnings(fit, setting), *start_warnings(trials, reached)],
+        "warnings": [*warnings(fit, setting, entries), *start_warnings(trials, reached)],
         "provenance": {
             "version": __version__, "seed": seed, "data_sha256": campaign.data_sha256,
             "eps": fit.values.get("eps2"), "horizon_s": fit.problem.windows.horizon, "loss": loss,
