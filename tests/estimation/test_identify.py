@@ -12,7 +12,7 @@ from tests.reference import BENCH
 from tests.rigs import synthetic_campaign
 from tp_jax.cli.output import json_text
 from tp_jax.estimation import multistart
-from tp_jax.estimation.methods import METHODS
+from tp_jax.estimation.methods import METHODS, described
 from tp_jax.model.parameters import SHARPEST_EPS
 from tp_jax.schemas.checking import check
 from tp_jax.schemas.identification import SCHEMA
@@ -169,6 +169,9 @@ def test_a_solver_of_ones_own(campaign):
     usual = tp.identify(campaign)
     assert own.result["method"] == "Mine"
     assert own.result["objective"] == pytest.approx(usual.result["objective"], abs=1.0)
+    finer = Mine(rtol=1e-7, atol=1e-2, norm=optx.rms_norm)
+    assert described(finer) != described(Mine(rtol=1e-6, atol=1e-2, norm=optx.rms_norm))
+    assert described(finer) == described(Mine(rtol=1e-7, atol=1e-2, norm=optx.rms_norm))
     with pytest.raises(tp.InputError, match="solver or minimiser of optimistix"):
         tp.identify(campaign, solver=42)
 
@@ -183,6 +186,13 @@ def test_what_makes_up_for_a_number_that_is_not_told_is_not_called_sure():
     ridge = next(w for w in free["warnings"] if w["code"] == "ridge")
     assert ridge["parameters"][0] == "T0"
     assert "may be anything from" in ridge["text"]
+
+
+def test_a_bound_of_ones_own_is_named_and_not_the_data(campaign):
+    stopped = tp.identify(campaign, fix=FIX, bound={"k": (0.6, 0.9)}).to_dict()
+    told = {w["code"]: w for w in stopped["warnings"]}
+    assert "k" not in told["unidentifiable"]["parameters"]
+    assert "would take k beyond the bounds that were given" in told["at_bound"]["text"]
 
 
 def test_its_repr_is_a_line(found):

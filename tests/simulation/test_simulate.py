@@ -1,5 +1,6 @@
 """One run against an independent integration, a closed form, and its own derivatives."""
 
+import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -160,6 +161,20 @@ def test_times_must_be_a_row(ts):
 def test_times_must_increase(ts):
     with pytest.raises(ValueError, match="Argument `ts` must increase"):
         simulate(presets.get("bench"), ts)
+
+
+def test_another_solver_of_diffrax_and_its_derivative():
+    """Implicit, so that it solves its equations by what a loop in one piece cannot call."""
+    ts, bench = np.arange(26) / 250.0, presets.values("bench")
+
+    def swung(k, solver=None):
+        model = presets.double_pendulum(**bench | {"k": k})
+        return jnp.sum(simulate(model, ts, tolerance=1e-7, solver=solver).phi1 ** 2)
+
+    own, by = jax.value_and_grad(swung)(jnp.asarray(0.45))
+    other, by_other = jax.jit(jax.value_and_grad(lambda k: swung(k, diffrax.Kvaerno5())))(0.45)
+    assert float(other) == pytest.approx(float(own), rel=1e-4)
+    assert float(by_other) == pytest.approx(float(by), rel=1e-3)
 
 
 def test_many_pendulums_are_a_sweep():

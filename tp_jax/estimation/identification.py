@@ -1,7 +1,6 @@
 """What `identify` found, as plain numbers and in words."""
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -111,17 +110,27 @@ def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[dict]
         )
         found.append(_warning("unidentifiable", ["Ts2"], text))
     base = {p.name for p in BASE}
-    loose = [n for n, e in entries.items() if not e["identifiable"] and n in base]
+    bound = [u.name for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if b]
+    # Where only the user's own bound stands in the way, the recordings may well tell the number.
+    stopped = [n for n in bound if n in setting.bounds]
+    loose = [
+        n for n, e in entries.items() if not e["identifiable"] and n in base and n not in stopped
+    ]
     if loose:
         text = f"These recordings do not tell {', '.join(loose)}."
         found.append(_warning("unidentifiable", loose, text))
-    bound = [u.name for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if b]
     if bound:
-        found.append(_warning("at_bound", bound, f"At a bound: {', '.join(bound)}."))
+        text = f"At a bound: {', '.join(bound)}."
+        if stopped:
+            text += (
+                f" The fit would take {', '.join(stopped)} beyond the bounds that were given; "
+                "widen them unless they are known to hold."
+            )
+        found.append(_warning("at_bound", bound, text))
     for held in dict.fromkeys(e["ridge"] for e in entries.values() if "ridge" in e):
         partners = [n for n, e in entries.items() if e.get("ridge") == held and n != held]
         low, high = entries[held]["ci95"]
-        text = f"{held} may be anything from {low:.4g} to {high or math.inf:.4g}"
+        text = f"{held} may be anything from {low:.4g} to {high:.4g}"
         if partners:
             text += f"; {', '.join(partners)} make up for it, and their intervals hold all of that"
         found.append(_warning("ridge", [held, *partners], f"{text}."))

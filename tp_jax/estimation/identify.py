@@ -94,17 +94,16 @@ def identify(
     """
     begin = time.perf_counter()
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
-    aim = objective or methods.usual_objective(method if solver is None else "")
-    _check(fix or {}, bound or {}, campaign.B1, starts, loss, noise)
     chosen = method if solver is None else solver
+    aim = objective or methods.usual_objective(chosen)
+    _check(fix or {}, bound or {}, campaign.B1, starts, loss, noise)
     methods.check(chosen, aim)
-    name = methods.name_of(chosen)
     setting = prepare_campaign(
         campaign, model=model, fix=dict(fix or {}), bound=dict(bound or {}), effects=()
     )
     kept = _checkpoint(checkpoint, resume, setting, {
-        "method": name, "objective": aim, "loss": loss, "seed": seed, "sampling": sampling,
-        "raw starts": raw_starts,
+        "method": methods.described(chosen), "objective": aim, "loss": loss, "seed": seed,
+        "sampling": sampling, "raw starts": raw_starts,
         "iterations": iterations if chosen == methods.NELDER_MEAD else None,
         "number of starts": None if sampling == "sobol" else starts,
     })  # fmt: skip
@@ -135,7 +134,7 @@ def identify(
         "schema": SCHEMA,
         "campaign": campaign.name,
         "model": model,
-        "method": name,
+        "method": methods.name_of(chosen),
         "objective_kind": aim,
         "parameters": parameter_table(entries, setting),
         "objective": trials[best].end.objective,

@@ -14,7 +14,7 @@ AT_MOST = 1000  # evaluations in a run of a solver of one's own, which has its o
 OBJECTIVES: tuple[Objective, ...] = ("windows", "free-run")
 
 
-def usual_objective(method: str) -> Objective:
+def usual_objective(method: str | Solver) -> Objective:
     """What a method minimises unless told otherwise."""
     return "free-run" if method == NELDER_MEAD else "windows"
 
@@ -41,6 +41,11 @@ def fitter(name: str | Solver, setting: Setting, objective: Objective) -> Method
 def name_of(method: str | Solver) -> str:
     """A method's name in results: that of its class for a solver of one's own."""
     return method if isinstance(method, str) else type(method).__name__
+
+
+def described(method: str | Solver) -> str:
+    """All that makes a method what it is: starts by one are not resumed by another."""
+    return method if isinstance(method, str) else repr(method)
 
 
 def check(method: str | Solver, objective: Objective) -> None:

@@ -16,24 +16,24 @@ from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.robust import Loss
 from tp_jax.estimation.variable_projection import fit as fit_projected
-from tp_jax.model.parameters import BASE
 
+NONLINEAR = ("T0",)  # numbers in which the equations are not linear
 POINTS = 6  # values that a doubtful number is held at
-SMALLEST = 1e-3  # of the value: so far down a range without an end is looked at
-CHANCE = 0.05
+SMALLEST = 1e-3  # of the value: so far down a range that begins at zero is looked at
+CHANCE = 0.05  # that a value which is left out was the true one
 MUCH = 1.5  # times its width: an interval that grew so much is on the ridge
 NORMAL = 1.96  # standard errors of half a 95 % interval
 
 
 def intervals_over_ridges(fit: Fit, setting: Setting, loss: Loss = "linear") -> dict[str, dict]:
-    """As `intervals`, but over the ridges of what is not identified.
+    """As `intervals`, but over the ridges of nonlinear numbers that are not identified.
 
     An entry whose interval grew has `ridge`, the name of the number that was held.
     """
     found = intervals(fit, setting)
-    for p in BASE:
-        if p.transform == "log" and p.name in found and not found[p.name]["identifiable"]:
-            _join(found, fit, setting, p.name, loss)
+    for name in NONLINEAR:
+        if name in found and not found[name]["identifiable"]:
+            _join(found, fit, setting, name, loss)
     return found
 
 

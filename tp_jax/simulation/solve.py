@@ -131,7 +131,7 @@ def _run(template, inputs, ts, tolerance, solver, max_steps) -> Array:
     parts = take_apart(template)
     if solver is None:
         return _own(parts, max_steps)(inputs, ts, tolerance)
-    return _with_diffrax(parts, solver, max_steps)(inputs, ts, tolerance)
+    return _with_diffrax(parts, solver, max_steps)(jnp.stack(inputs), ts, tolerance)
 
 
 def checked(
@@ -181,7 +181,7 @@ def _states(parts: Parts, solver, controller, max_steps: int) -> Callable:
         )
         return jnp.stack(solution.ys[:4], axis=1)
 
-    return lambda inputs, ts, tolerance: loops_in_one_piece(solve, inputs, ts, tolerance)
+    return solve
 
 
 def _own(parts: Parts, max_steps: int) -> Callable:
@@ -209,7 +209,8 @@ def _own(parts: Parts, max_steps: int) -> Callable:
     def motions(inputs, ts, tolerance):
         return engine(inputs, ts, tolerance, None).y
 
-    states = _of_one(motions, _states(parts, Rodas4(), ReversalController, max_steps))
+    alone = _states(parts, Rodas4(), ReversalController, max_steps)
+    states = _of_one(motions, functools.partial(loops_in_one_piece, alone))
 
     @jax.custom_jvp
     def run(inputs, ts, tolerance):
@@ -281,6 +282,7 @@ def _with_diffrax(parts: Parts, solver, max_steps: int) -> Callable:
     def controller(model, tolerance):  # noqa: ARG001
         return diffrax.PIDController(rtol=tolerance, atol=tolerance)
 
+    # Not in one piece: an implicit solver calls LAPACK, which such a loop cannot.
     solve = _states(parts, solver, controller, max_steps)
 
     @jax.custom_jvp
