@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parent.parent / "tp_jax"
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "tp_jax"
+TRIALS = ROOT / "trials"
 
 # Layer -> the layers it may import, besides itself and EVERYWHERE. The root, tp_jax itself, is
 # for the command line alone: its lazy names reach everywhere.
@@ -61,11 +63,13 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "gap",
     },
-    "blind": {"effects", "recordings", "estimation", "gap", "rig"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}
 ALLOWED["__main__"] = {"cli"}
 ALLOWED["root"] = {*ALLOWED} - {"cli", "__main__"}
+# beside the package, in the repository alone
+ALLOWED["trials"] = {"effects", "recordings", "estimation", "gap", "rig"}
+BESIDE = {"trials", "scripts", "tests"}
 
 JAX = {"jax", "jaxlib", "jaxtyping", "equinox", "diffrax", "optimistix", "lineax"}
 FORBIDDEN = {
@@ -83,15 +87,20 @@ FORBIDDEN = {
 }
 
 DATA = {"examples"}
-MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in DATA)
+MODULES = [
+    *sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in DATA),
+    *sorted(TRIALS.rglob("*.py")),
+]
 
 
 def dotted(path: Path) -> list[str]:
-    parts = list(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+    parts = list(path.relative_to(ROOT).with_suffix("").parts)
     return parts[:-1] if parts[-1] == "__init__" else parts
 
 
 def layer(module: list[str]) -> str:
+    if module[0] == "trials":
+        return "trials"
     return module[1] if len(module) > 1 else "root"
 
 
@@ -116,7 +125,9 @@ def faults(path: Path, text: str) -> list[str]:
     own = layer(dotted(path))
     said = []
     for module in imported(path, text):
-        if module[0] == "tp_jax":
+        if module[0] in BESIDE - {own}:
+            said.append(f"{own} must not import {'.'.join(module)}")
+        elif module[0] == "tp_jax":
             target = layer(module)
             if target not in {own, *EVERYWHERE, *ALLOWED[own]}:
                 said.append(f"{own} must not import {'.'.join(module)}")
@@ -156,10 +167,14 @@ def test_imports_only_what_lies_below(path):
         ("gap/a.py", "from ..report.html import write_report"),
         ("recordings/a.py", "import jax.numpy as jnp"),
         ("acquisition/a.py", "from diffrax import diffeqsolve"),
+        ("rig/a.py", "from trials.effects import base"),
+        ("cli/a.py", "def f():\n    import trials"),
+        ("../trials/a.py", "from tp_jax.cli import main"),
+        ("../trials/a.py", "from scripts import _blind"),
     ],
 )
 def test_a_wrong_import_is_seen(file, text):
-    assert len(faults(PACKAGE / file, text)) == 1
+    assert len(faults((PACKAGE / file).resolve(), text)) == 1
 
 
 @pytest.mark.parametrize(
@@ -170,10 +185,11 @@ def test_a_wrong_import_is_seen(file, text):
         ("effects/__init__.py", "from . import base"),
         ("cli/a.py", "import tp_jax as tp"),
         ("recordings/a.py", "import numpy as np"),
+        ("../trials/a.py", "from tp_jax.rig import VirtualRig\nfrom trials.effects import base"),
     ],
 )
 def test_a_right_import_is_let_through(file, text):
-    assert faults(PACKAGE / file, text) == []
+    assert faults((PACKAGE / file).resolve(), text) == []
 
 
 def loaded_after(statement: str) -> set[str]:

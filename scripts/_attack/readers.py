@@ -153,8 +153,8 @@ def _starts(content: Any, folder: Path) -> None:
 
 
 def _part_of_key(content: Any, folder: Path) -> None:
-    from tp_jax.schemas.blind import CASE
     from tp_jax.schemas.checking import check, read_json
+    from trials.schema import CASE
 
     check(read_json(_put(folder, "key.json", content)), CASE, "key.json")
 

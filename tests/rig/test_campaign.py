@@ -76,7 +76,7 @@ def test_same_seed_same_files(tmp_path):
     texts = []
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
         make_campaign(
-            tmp_path / name, effects={"clock_jitter": 0.002}, runs=2, duration=1.0, seed=seed
+            tmp_path / name, effects={"drive_frequency": 0.3}, runs=2, duration=1.0, seed=seed
         )
         texts.append((tmp_path / name / "run-02.csv").read_bytes())
     assert texts[0] == texts[1]

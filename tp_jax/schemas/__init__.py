@@ -7,5 +7,4 @@ identification identify --json
 starts         a search to go on from
 recording      FILE.csv.meta.json
 calibration    a calibration of the sensors, as TOML
-blind          what a sealed trial keeps
 """
