@@ -43,14 +43,6 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "identifiability",
     },
-    "validation": {
-        "model",
-        "effects",
-        "simulation",
-        "recordings",
-        "estimation",
-        "identifiability",
-    },
     "gap": {"model", "effects", "simulation", "recordings", "estimation", "identifiability"},
     # its simulator is to be independent of the model it puts to the test
     "rig": {"recordings", "acquisition"},

@@ -50,7 +50,6 @@ def readers() -> dict[str, Attack]:
         "calibration readings": (spoiled(corpus.readings()), _readings),
         "diagnosis.json": (documents(small.diagnosis()), _diagnosis),
         "diagnosis.json as text": (spoiled(json.dumps(small.diagnosis()).encode()), _text),
-        "identify.json": (documents(corpus.identification()), _identification),
         "starts.json": (documents(corpus.starts()), _starts),
         "part of a key": (documents(corpus.part_of_key()), _part_of_key),
         "frames": (st.lists(spoiled(corpus.frames()), min_size=1, max_size=3), _frames),
@@ -128,12 +127,6 @@ def _diagnosis(content: Any, folder: Path) -> None:
 
 
 _text = _diagnosis
-
-
-def _identification(content: Any, folder: Path) -> None:
-    from tp_jax.schemas.identification import read_identification
-
-    read_identification(_put(folder, "identify.json", content))
 
 
 def _starts(content: Any, folder: Path) -> None:

@@ -375,14 +375,6 @@ def test_simulate_draws(tmp_path, capsys):
     assert capsys.readouterr().out == f"Wrote {path}\n"
 
 
-def test_simulate_without_matplotlib(tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    path = tmp_path / "run.png"
-    assert main(["simulate", "--preset", "bench", "--duration", "0.4", "--plot", str(path)]) == 2
-    assert "tp-jax[plots]" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
 # identify, diagnose, predict: what the library is asked, and what is made of its answer ---------
 
 

@@ -38,7 +38,6 @@ from tp_jax.recordings.formats import FileFormat as FileFormat
 from tp_jax.recordings.formats import read_columns as read_columns
 from tp_jax.recordings.gaps import stretches as stretches
 from tp_jax.recordings.holdout import hold_out as hold_out
-from tp_jax.recordings.noise import noise_floor as noise_floor
 from tp_jax.recordings.noise import noise_level as noise_level
 from tp_jax.recordings.noise import noise_levels as noise_levels
 from tp_jax.recordings.noise_colour import noise_colour as noise_colour

@@ -52,15 +52,6 @@ _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 PIXELS = 150  # per inch, of figures saved as PNG
 
 
-def available() -> bool:
-    """Whether there is matplotlib to draw with."""
-    try:
-        import matplotlib.figure  # noqa: F401
-    except ImportError:
-        return False
-    return True
-
-
 def new_figure(width: float, height: float, *, fitted: bool = False) -> "Figure":
     """An empty figure of its own, no part of pyplot, on a transparent background.
 

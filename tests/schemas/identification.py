@@ -1,9 +1,7 @@
 """What `tp-jax identify --json` writes, version 1."""
 
-from pathlib import Path
 from typing import Any
 
-from tp_jax.schemas.checking import read_versioned
 from tp_jax.schemas.parts import (
     COUNT,
     FLAG,
@@ -55,12 +53,3 @@ SCHEMA: dict[str, Any] = {
         ("model", "method", "parameters", "objective", "starts", "success", "warnings"),
     ),
 }
-
-
-def read_identification(path: str | Path) -> dict[str, Any]:
-    """What `identify --json` wrote, checked.
-
-    Raises:
-        InputError: as `read_versioned`.
-    """
-    return read_versioned(path, SCHEMA, "an identification", "identify the campaign again")
