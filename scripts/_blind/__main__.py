@@ -22,7 +22,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser, commands = _parser()
     if not words or words[0] not in {*commands, "-h", "--help"}:
         words = [RUN, *words]
-    args = parser.parse_args(words)
+    try:
+        args = parser.parse_args(words)
+    except SystemExit as done:  # --help, or a fault that argparse has told already
+        return int(done.code or 0)
     return carried_out("blind", _carry_out, args, resumes=args.command == RUN)
 
 

@@ -93,11 +93,7 @@ def test_make_alone(tmp_path, monkeypatch, capsys):
 )
 def test_bad_arguments_are_told_in_one_sentence(words, part, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    try:
-        code = study.main(words)
-    except SystemExit as stopped:
-        code = stopped.code
-    assert code == 2
+    assert study.main(words) == 2
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.count("\n") == 1
