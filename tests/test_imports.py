@@ -78,6 +78,18 @@ FORBIDDEN = {
     "rig": JAX,
 }
 
+# What may be imported inside a function, besides the package itself in `cli` and the root, which
+# answer at once and load what a command needs when it runs.
+#: Not there on every machine: extras of the package, and what some systems lack.
+OPTIONAL = {
+    "openpyxl", "h5py", "pyarrow", "nptdms", "mcap", "mcap_ros2", "pandas",
+    "zstandard", "compression", "tty", "serial.tools.list_ports",
+}  # fmt: skip
+#: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
+WITH_JAX = {"jax", "diffrax", "tp_jax.simulation.rodas4", "tp_jax.simulation.reversal_controller"}
+#: Slow to load, and of use to one step of a program only.
+SLOW = {"scipy", "matplotlib", "rich", "jinja2", "markupsafe", "SALib", "jsonschema"}
+
 DATA = {"examples"}
 MODULES = [
     *sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in DATA),
@@ -113,6 +125,48 @@ def imported(path: Path, text: str) -> list[list[str]]:
     return found
 
 
+def inside_functions(path: Path, text: str) -> list[str]:
+    """What a file imports inside functions and may not."""
+    own = layer(dotted(path))
+    allowed = [*OPTIONAL, *WITH_JAX, *SLOW]
+    if own in ("cli", "root"):
+        allowed += ["tp_jax", "numpy"]
+    said = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            for module in imported(path, ast.unparse(node)):
+                name = ".".join(module)
+                if not any(name == each or name.startswith(f"{each}.") for each in allowed):
+                    said.append(f"{name} is imported in {node.name}(); import it at the top")
+    return said
+
+
+def circles(imports: dict[str, set[str]]) -> set[str]:
+    """The modules that import one another, or lie between those that do."""
+    left = {name: targets & set(imports) for name, targets in imports.items()}
+    while True:
+        wanted = set().union(*left.values())
+        ends = {name for name, targets in left.items() if not targets or name not in wanted}
+        if not ends:
+            return set(left)
+        left = {name: targets - ends for name, targets in left.items() if name not in ends}
+
+
+def modules_imported(path: Path, text: str, known: set[str]) -> set[str]:
+    """Names of the modules of the package and of trials that a file imports, anywhere in it."""
+    own, found = dotted(path), set()
+    package = own if path.name == "__init__.py" else own[:-1]
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            before = package[: len(package) - node.level + 1] if node.level else []
+            base = ".".join([*before, *filter(None, [node.module])])
+            names = {f"{base}.{alias.name}" for alias in node.names}
+            found |= (names & known) | ({base} if names - known else set())
+    return (found & known) - {".".join(own)}
+
+
 def faults(path: Path, text: str) -> list[str]:
     own = layer(dotted(path))
     said = []
@@ -145,6 +199,45 @@ def test_layers_have_an_order():
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: ".".join(dotted(path)))
 def test_imports_only_what_lies_below(path):
     assert faults(path, path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: ".".join(dotted(path)))
+def test_imports_stand_at_the_top(path):
+    assert inside_functions(path, path.read_text(encoding="utf-8")) == []
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    names = {".".join(dotted(path)): path for path in MODULES}
+    imports = {
+        name: modules_imported(path, path.read_text(encoding="utf-8"), set(names))
+        for name, path in names.items()
+    }
+    assert sum(map(len, imports.values())) > 1000
+    assert circles(imports) == set()
+
+
+def test_a_circle_is_seen():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": set()}) == set()
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == {"b", "c"}
+    known = {"tp_jax.gap", "tp_jax.gap.a", "tp_jax.gap.b"}
+    for text in ("from tp_jax.gap import b", "from . import b", "def f():\n    from .b import x"):
+        assert modules_imported(PACKAGE / "gap" / "a.py", text, known) == {"tp_jax.gap.b"}
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "right"),
+    [
+        ("gap/a.py", "def f():\n    from tp_jax.gap import b", False),
+        ("gap/a.py", "class A:\n    def f(self):\n        import json", False),
+        ("recordings/a.py", "def f():\n    import numpy as np", False),
+        ("recordings/a.py", "def f():\n    from pandas import DataFrame", True),
+        ("cli/a.py", "def f():\n    import tp_jax as tp", True),
+        ("cli/a.py", "def f():\n    import json", False),
+        ("report/a.py", "def f():\n    import matplotlib.figure", True),
+    ],
+)
+def test_an_import_inside_a_function_is_seen(file, text, right):
+    assert (inside_functions(PACKAGE / file, text) == []) == right
 
 
 @pytest.mark.parametrize(

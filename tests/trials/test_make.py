@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tp_jax.cli import main
+from scripts._blind.__main__ import main
 from tp_jax.errors import InputError
 from tp_jax.recordings import load_campaign
 from tp_jax.rig import BENCH
@@ -179,7 +179,7 @@ def test_a_folder_with_something_in_it(tmp_path, capsys):
     (tmp_path / "notes").write_text("")
     with pytest.raises(InputError, match="is not empty"):
         make(tmp_path, 4)
-    assert main(["blind", "make", str(tmp_path), "--cases", "4"]) == 2
+    assert main(["make", str(tmp_path), "--cases", "4"]) == 2
     assert "is not empty" in capsys.readouterr().err
     with pytest.raises(InputError, match="at least one case"):
         make(tmp_path / "t", 0)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tp_jax.cli import main
+from scripts._blind.__main__ import main
 from tp_jax.errors import InputError
 from tp_jax.recordings import load_campaign
 from tp_jax.rig import BENCH
@@ -108,7 +108,7 @@ def test_same_seed_same_trial(made, tmp_path):
 def test_settings_of_the_other_rigs_are_refused(tmp_path):
     with pytest.raises(InputError, match="not those of clean"):
         make(tmp_path / "t", 2, settings=SHORT)
-    assert main(["blind", "make", str(tmp_path / "t"), "--rigs", "dirty"]) == 2
+    assert main(["make", str(tmp_path / "t"), "--rigs", "dirty"]) == 2
 
 
 def test_campaigns_differ():

@@ -5,8 +5,8 @@ import json
 import pytest
 from scipy import stats
 
+from scripts._blind.__main__ import main
 from tests.trials.conftest import diagnosis_of
-from tp_jax.cli import main
 from tp_jax.errors import InputError
 from trials import pool, score
 from trials.measures import mean, reliability, share
@@ -127,14 +127,14 @@ def test_interval_of_a_mean():
 
 def test_command(trial, capsys):
     root = trial(*CASES)
-    assert main(["blind", "score", str(root), "--quick", "--json", "-"]) == 0
+    assert main(["score", str(root), "--quick", "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["top1"]["n"] == 3
-    assert main(["blind", "score", str(root), "--quick"]) == 0
+    assert main(["score", str(root), "--quick"]) == 0
     told = capsys.readouterr().out
     assert "7 cases" in told
     assert "motor_stall" in told
     (root / "KEY.sha256").unlink()
-    assert main(["blind", "score", str(root)]) == 2
+    assert main(["score", str(root)]) == 2
     assert "no blind trial" in capsys.readouterr().err
 
 

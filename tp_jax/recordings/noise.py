@@ -18,7 +18,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from tp_jax.recordings.colour import Colour
 from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.noise_colour import same_rate
-from tp_jax.recordings.recording import Recording
+from tp_jax.recordings.recorded_run import RecordedRun
 
 ORDERS = range(2, 9)
 
@@ -95,7 +95,7 @@ def _level(t: np.ndarray, y: np.ndarray, colour: Colour | None) -> tuple[float, 
 
 
 def noise_levels(
-    recordings: Sequence[Recording],
+    recordings: Sequence[RecordedRun],
     colours: Sequence[tuple[Colour, Colour]] | None = None,
     policy: LevelPolicy = POLICY,
 ) -> np.ndarray:
