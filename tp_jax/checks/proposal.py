@@ -1,6 +1,6 @@
 """A campaign.toml for a folder of files of unknown make, to be corrected by the user.
 
-    data_files -> survey of each -> alike -> written      with what the user answered, if anything
+data_files -> survey of each -> alike -> written      with what the user answered, if anything
 """
 
 import json

@@ -9,7 +9,7 @@
     pictures -> pages          small pictures of both angles; the HTML of all of it
     -> app -> server           the addresses; the process, bound to this computer alone
 
-Starlette and uvicorn come with the extra `serve`, and only `app`, `uploads` and `server` import them.
+Starlette and uvicorn come with the extra `serve`; only `app`, `uploads` and `server` import them.
 Templates and styles are in `templates/` and `static/`; the page looks as the report does, by the
 report's own stylesheet.
 """

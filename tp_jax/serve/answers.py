@@ -45,7 +45,8 @@ def _driven(name: str, run: Mapping[str, Any]) -> Driven:
     omega = _positive(run.get("omega", ""), f"{name}: the frequency of its drive")
     if omega is None:
         raise InputError(
-            f"{name}: the frequency of its drive is missing; type it in rad/s, or choose free decay."
+            f"{name}: the frequency of its drive is missing; type it in rad/s, or choose free "
+            "decay."
         )
     return Driven(kind, omega)
 

@@ -27,7 +27,7 @@ PAGE_POLICY = (
 )
 REPORT_POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; form-action 'none'; "
-    "base-uri 'none'; frame-ancestors 'none'; sandbox allow-same-origin"
+    "base-uri 'none'; frame-ancestors 'none'"
 )
 """A report holds its own styles; a script in it does not run."""
 
@@ -84,7 +84,7 @@ class Guard:
             await _answer(
                 sent,
                 403,
-                "This page needs its key; open the address that tp-jax serve printed when it began.",
+                "This page needs its key; open the address that tp-jax serve printed at its start.",
             )
             return
         await self.app(scope, receive, sent)
