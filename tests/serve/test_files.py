@@ -104,7 +104,7 @@ def test_answers_come_back(filled):
         assert not (filled / "campaign.toml").exists(), "looking writes nothing"
         said = answers("1,2e-3", **COMMANDED)
         said["runs"]["run-22.csv"]["used"] = False
-        assert client.post("/answers", json=said).status_code == 204
+        assert client.post("/answers", json=said).json() == {"fault": ""}
         top = tomllib.loads((filled / "campaign.toml").read_text(encoding="utf-8"))
         assert top["rig"]["B1"] == 1.2e-3
         omegas = {each["file"]: each.get("omega") for each in top["recording"]}
@@ -141,10 +141,9 @@ def test_answers_come_back(filled):
 def test_answers_that_cannot_be_are_told_in_a_sentence(filled, B1, omega, words):
     with opened(filled) as client:
         client.get(f"/?token={TOKEN}")
-        answer = client.post("/answers", json=answers(B1, run_06=omega))
-        assert answer.status_code == 422
-        assert words in answer.text
-        assert answer.text.endswith(".")
+        fault = client.post("/answers", json=answers(B1, run_06=omega)).json()["fault"]
+        assert words in fault
+        assert fault.endswith(".")
         assert not (filled / "campaign.toml").exists()
 
 
@@ -168,7 +167,7 @@ def test_a_campaign_by_hand_stays(filled):
         page = client.get("/").text
         assert "written by hand" in page
         assert "<fieldset disabled>" in page
-        assert client.post("/answers", json=answers(**COMMANDED)).status_code == 422
+        assert "by hand" in client.post("/answers", json=answers(**COMMANDED)).json()["fault"]
         client.put("/recordings/late.csv", content=RUN.read_bytes())
         assert (filled / "campaign.toml").read_text(encoding="utf-8") == text
 
@@ -188,7 +187,7 @@ def test_files_outside_are_not_read(filled, tmp_path):
         os.remove(filled / "campaign.toml")
         (filled / "campaign.toml").symlink_to(tmp_path / "elsewhere.toml")
         assert "written by hand" in client.get("/").text
-        assert client.post("/answers", json=answers(**COMMANDED)).status_code == 422
+        assert "by hand" in client.post("/answers", json=answers(**COMMANDED)).json()["fault"]
         assert not (tmp_path / "elsewhere.toml").exists()
 
 

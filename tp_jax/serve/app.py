@@ -64,8 +64,11 @@ def create_app(
             said = json.loads(body)
         except (ValueError, RecursionError):
             raise InputError("The answers are not JSON; load the page anew.") from None
-        await run_in_threadpool(served.write, answers_of(said))
-        return Response(status_code=204)
+        try:
+            await run_in_threadpool(served.write, answers_of(said))
+        except InputError as fault:  # half of a number is typed: no fault of the request
+            return JSONResponse({"fault": str(fault)})
+        return JSONResponse({"fault": ""})
 
     def diagnose(_: Request) -> Response:
         checked = served.check()

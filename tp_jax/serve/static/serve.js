@@ -105,12 +105,12 @@ async function send() {
   const turn = (sent += 1);
   let told = "";
   try {
-    await ask("POST", "/answers", JSON.stringify(answers()));
-    if (turn === sent) await refresh("check", "diagnose");
+    told = (await (await ask("POST", "/answers", JSON.stringify(answers()))).json()).fault;
+    if (turn === sent && !told) await refresh("check", "diagnose");
   } catch (fault) {
     told = fault.message;
-    byId("start").disabled = true;
   }
+  if (told) byId("start").disabled = true;
   if (turn === sent) byId("answer-fault").textContent = told;
 }
 
