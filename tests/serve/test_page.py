@@ -72,13 +72,15 @@ def test_from_dropped_files_to_a_report(seen, served, folder):
     assert "token" not in page.url
     reads_well(seen, f"{screen}-1-empty")
 
+    page.fill("#B1", "1.2e-3")  # before there is a file to say it of
     note = folder.parent / "notes.txt"
     note.write_text("nothing but words\n")
     drop(page, [*RUNS, note])
-    page.wait_for_selector("#uploads li:nth-child(7)")
+    page.wait_for_selector("#uploads >> text=7 files were added")
     page.wait_for_selector(".card[data-name='run-22.csv'] svg")
     page.wait_for_selector(".card.bad >> text=notes.txt")
     page.wait_for_selector("#check >> text=can be diagnosed")
+    page.wait_for_selector("#start:enabled")
     reads_well(seen, f"{screen}-2-files")
 
     # a wrong frequency is told at once, and the diagnosis must wait
@@ -93,7 +95,6 @@ def test_from_dropped_files_to_a_report(seen, served, folder):
     said = {**COMMANDED, "run_06": "6,0"}
     for name, omega in said.items():
         page.fill(f".card[data-name='{name.replace('_', '-')}.csv'] [name=omega]", omega)
-    page.fill("#B1", "1.2e-3")
     page.wait_for_selector("#start:enabled")
     assert page.text_content("#answer-fault") == ""
     written = (folder / "campaign.toml").read_text(encoding="utf-8")
@@ -145,6 +146,28 @@ def test_the_keyboard_reaches_everything(chromium, served, folder):
     decay, run = ["used", "kind-1"], ["used", "kind-2", "omega"]
     assert reached == ["files", *decay, *run, "B1", "start"]
     assert seen.said == []
+    page.close()
+
+
+def test_a_diagnosis_is_of_what_was_typed_last(chromium, served, folder):
+    page = chromium.new_page()
+    page.set_default_timeout(PATIENCE)
+    Seen(page, served.address)
+    page.set_input_files("#files", [str(RUNS[0]), str(RUNS[1])])
+    page.wait_for_selector("#start:enabled")
+    page.fill("[name=omega] >> visible=true", "37.7")
+    page.click("#start")  # before the answers were sent by themselves
+    page.wait_for_selector("#check .wrong")
+    assert "omega = 37.7" in (folder / "campaign.toml").read_text(encoding="utf-8")
+    assert page.is_disabled("#start")
+    assert not page.is_visible("#cancel")
+    assert not (folder / "diagnosis-1").exists()
+    page.fill("[name=omega] >> visible=true", "6")
+    page.click("#start >> visible=true")
+    page.wait_for_selector("#cancel:visible")
+    assert "omega = 6.0" in (folder / "campaign.toml").read_text(encoding="utf-8")
+    page.click("#cancel")
+    page.wait_for_selector("#messages >> text=cancelled")
     page.close()
 
 

@@ -11,6 +11,7 @@ from tp_jax._version import __version__
 from tp_jax.checks.proposal import Driven
 from tp_jax.recordings import clocks
 from tp_jax.recordings.sources import ColumnSource
+from tp_jax.report import words
 from tp_jax.report.recordings import drawn_duration
 from tp_jax.serve.folder import File, ServedFolder
 from tp_jax.serve.pictures import picture
@@ -30,6 +31,9 @@ LEVELS = {"wrong": "To be mended", "doubtful": "To be looked at", "mended": "Men
 
 COLUMNS = {"t": "time", "phi1": "φ1, column", "phi2": "φ2, rider", "drive": "drive"}
 """Name of a column in a recording -> what the page calls it."""
+
+UNITS = {"t": "s", "phi1": "rad", "phi2": "rad"}
+"""Name of a column -> its unit where the file is taken to have the recording's own."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,7 @@ def _cards(folder: ServedFolder) -> tuple[list[Card], str]:
 def _card(file: File, driven: Driven | None, used: bool) -> Card:
     seen = file.survey
     if seen is None:
-        return Card(file.path.name, file.fault)
+        return Card(file.path.name, words.capital(file.fault.removeprefix(f"{file.path.name}: ")))
     driven = driven or file.guess or Driven("decay")
     step = clocks.usual_step(seen.t)
     rising = seen.t[np.isfinite(seen.t)]
@@ -135,7 +139,7 @@ def _card(file: File, driven: Driven | None, used: bool) -> Card:
     return Card(
         file.path.name,
         columns=tuple(
-            (COLUMNS[name], _place(source, seen.why.get(name, "")))
+            (COLUMNS[name], _place(name, source, seen.why.get(name, "")))
             for name, source in seen.sources.items()
         ),
         rate=f"{1.0 / step:.4g} Hz" if step else "not known",
@@ -150,15 +154,14 @@ def _card(file: File, driven: Driven | None, used: bool) -> Card:
     )
 
 
-def _place(source: ColumnSource, why: str) -> str:
+def _place(name: str, source: ColumnSource, why: str) -> str:
     """Where a column stands in the file, in which unit, and what speaks for that."""
     column = source.column
     place = f"column {column + 1}" if isinstance(column, int) else f"“{column}”"
-    unit = ""
+    unit = source.unit or UNITS.get(name, "")
+    unit = f" in {unit}" if unit else ""
     if source.counts is not None:
-        unit = f", counts, {source.counts:g} a turn"
-    elif source.unit is not None:
-        unit = f" in {source.unit}"
+        unit = f" in counts, {source.counts:g} a turn"
     return f"{place}{unit}" + (f" ({why})" if why else "")
 
 

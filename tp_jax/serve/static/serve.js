@@ -20,7 +20,9 @@ async function ask(method, address, body) {
 async function refresh(...parts) {
   const text = await (await ask("GET", "/")).text();
   const anew = new DOMParser().parseFromString(text, "text/html");
+  const focus = document.activeElement.id;
   for (const name of parts) byId(name).replaceWith(document.adoptNode(anew.getElementById(name)));
+  if (focus && document.activeElement.id !== focus) byId(focus)?.focus(); // it was replaced
   if (parts.includes("recordings")) showRuns();
   if (parts.includes("diagnose")) showJob(JSON.parse(byId("diagnose").dataset.job));
 }
@@ -38,7 +40,7 @@ async function upload(files) {
   const list = byId("uploads");
   const most = Number(document.querySelector("main").dataset.upload);
   list.replaceChildren();
-  if (waiting) await send(); // what was typed is kept
+  if (waiting && canAnswer()) await send(); // what was typed is kept
   let added = 0;
   for (const file of files) {
     if (file.size > most) {
@@ -46,15 +48,17 @@ async function upload(files) {
       continue;
     }
     try {
-      const answer = await ask("PUT", `/recordings/${encodeURIComponent(file.name)}`, file);
-      say(list, await answer.text());
+      await ask("PUT", `/recordings/${encodeURIComponent(file.name)}`, file);
       added += 1;
     } catch (fault) {
       say(list, fault.message, true);
     }
   }
   byId("files").value = "";
-  if (added) await refresh("recordings", "check", "diagnose");
+  if (added) say(list, added === 1 ? "1 file was added." : `${added} files were added.`);
+  if (!added) return;
+  await refresh("recordings", "check", "diagnose");
+  if (canAnswer()) await send(); // B1 may have been typed before there was a file
 }
 
 const drop = byId("drop");
@@ -97,11 +101,22 @@ function answers() {
   return { B1: byId("B1").value, runs };
 }
 
+// whether there is a recording to say anything about, and the campaign.toml is the page's to write
+function canAnswer() {
+  return document.querySelector(".card [name=kind]:enabled") !== null;
+}
+
 let waiting = 0;
 let sent = 0;
-async function send() {
+let sending = Promise.resolve();
+function send() {
   clearTimeout(waiting);
   waiting = 0;
+  sending = sendNow();
+  return sending;
+}
+
+async function sendNow() {
   const turn = (sent += 1);
   let told = "";
   try {
@@ -118,7 +133,7 @@ document.addEventListener("input", (event) => {
   if (!event.target.closest("#recordings") && event.target.id !== "B1") return;
   showRuns();
   clearTimeout(waiting);
-  waiting = setTimeout(send, PAUSE);
+  if (canAnswer()) waiting = setTimeout(send, PAUSE);
 });
 
 // Diagnosis -------------------------------------------------------------------------------------
@@ -161,6 +176,9 @@ async function watch() {
 const actions = {
   write: send,
   start: async () => {
+    if (waiting) send(); // a diagnosis is of what the page shows
+    await sending;
+    if (byId("start").disabled) return;
     byId("start").disabled = true;
     showJob(await (await ask("POST", "/diagnoses")).json());
     byId("cancel").focus();
