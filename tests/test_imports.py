@@ -61,6 +61,7 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "gap",
     },
+    "serve": {"recordings", "checks", "report"},
     "blind": {"effects", "recordings", "estimation", "gap", "rig"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}
@@ -80,6 +81,8 @@ FORBIDDEN = {
     "schemas": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,
+    # a page that waits for a diagnosis in another process takes no memory for one
+    "serve": JAX,
 }
 
 DATA = {"examples"}
@@ -187,6 +190,12 @@ def loaded_after(statement: str) -> set[str]:
 
 def test_importing_the_package_loads_nothing_heavy():
     assert loaded_after("import tp_jax").isdisjoint({*JAX, "numpy", "scipy", "rich", "matplotlib"})
+
+
+def test_the_page_loads_nothing_heavy():
+    pytest.importorskip("starlette", reason="needs the extra `serve`: pip install '.[serve]'")
+    loaded = loaded_after("import tp_jax.serve.server")
+    assert loaded.isdisjoint({*JAX, "scipy", "matplotlib"})
 
 
 @pytest.mark.parametrize("name", ["recordings", "acquisition", "checks"])
