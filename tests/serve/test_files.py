@@ -60,7 +60,7 @@ def test_a_file_is_shown_and_its_campaign_written(client, folder):
     assert (answer.status_code, answer.text) == (201, "run-06.csv was added.")
     assert (folder / "run-06.csv").read_bytes() == RUN.read_bytes()
     page = client.get("/").text
-    for words in ("run-06.csv", "250 Hz", "φ1, column", "“phi2” in rad", "<polyline", "rad/s"):
+    for words in ("run-06.csv", "250 Hz", "φ1 above φ2", "“phi2” in rad", "<polyline", "rad/s"):
         assert words in page
     written = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
     assert written["recording"][0]["omega"] == pytest.approx(6.0, rel=1e-2)

@@ -29,7 +29,7 @@ REPORT_STYLE = HERE.parent / "report" / "report.css"
 LEVELS = {"wrong": "To be mended", "doubtful": "To be looked at", "mended": "Mended in reading"}
 """Level of a finding -> what the page calls it."""
 
-COLUMNS = {"t": "time", "phi1": "φ1, column", "phi2": "φ2, rider", "drive": "drive"}
+COLUMNS = {"t": "time", "phi1": "φ1", "phi2": "φ2", "drive": "drive"}
 """Name of a column in a recording -> what the page calls it."""
 
 UNITS = {"t": "s", "phi1": "rad", "phi2": "rad"}
