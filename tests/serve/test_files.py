@@ -191,6 +191,15 @@ def test_files_outside_are_not_read(filled, tmp_path):
         assert not (tmp_path / "elsewhere.toml").exists()
 
 
+def test_a_fault_of_ours_leaves_the_page_whole(client, folder, monkeypatch):
+    def odd(file):
+        raise ValueError("odd")
+
+    monkeypatch.setattr("tp_jax.serve.folder.survey", odd)
+    assert client.put("/recordings/a.csv", content=b"t,phi1\n").status_code == 201
+    assert "A fault of ours, ValueError: odd; leave the file out." in client.get("/").text
+
+
 def test_faults_of_files_are_told_beside_them(client, folder):
     client.put("/recordings/notes.txt", content=b"nothing but words\n")
     page = client.get("/").text

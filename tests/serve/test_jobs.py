@@ -111,6 +111,28 @@ def test_a_failure_says_why_and_leaves_nothing(ready):
         assert not (ready / "diagnosis-1").exists()
 
 
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("raise SystemExit(3)", "ended with the code 3; it said nothing."),
+        ("raise ValueError('odd')", "ended with the code 1; its last words: ValueError: odd."),
+    ],
+)
+def test_a_child_that_says_no_sentence(folder, code, words):
+    jobs = Jobs(lambda *_: [sys.executable, "-c", code], LIMITS)
+    jobs.start(folder, folder / "diagnosis-1")
+    until(lambda: jobs.status().state == "failed")
+    assert jobs.status().messages == (f"The diagnosis {words}",)
+
+
+def test_words_of_libraries_are_no_messages(folder):
+    code = "import sys; print('W0000 of a library', file=sys.stderr)"
+    jobs = Jobs(lambda *_: [sys.executable, "-c", code], LIMITS)
+    jobs.start(folder, folder / "diagnosis-1")
+    until(lambda: jobs.status().state == "done")
+    assert jobs.status().messages == ()
+
+
 def test_cancelling_ends_the_child(ready):
     with opened(ready, "hang") as client:
         client.get(f"/?token={TOKEN}")

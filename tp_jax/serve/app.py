@@ -51,7 +51,7 @@ def create_app(
 
     async def add(request: Request) -> Response:
         name = safe_name(request.path_params["name"])
-        if len(list(folder.iterdir())) >= limits.files:
+        if sum(each.is_file() for each in folder.iterdir()) >= limits.files:
             raise InputError(f"The folder holds {limits.files} files already; use another one.")
         before = await run_in_threadpool(served.answers)
         await receive(request, folder / name, limits)

@@ -159,6 +159,9 @@ class ServedFolder:
                 file = File(path, found, guess=guessed(path, found))
             except CampaignError as fault:
                 file = File(path, fault=self.told(str(fault)))
+            except Exception as fault:  # the page must go on: nobody could take the file away there
+                kind = type(fault).__name__
+                file = File(path, fault=f"A fault of ours, {kind}: {fault}; leave the file out.")
         self._seen[path] = (mark, file)
         return file
 

@@ -20,6 +20,9 @@ from tp_jax.serve.limits import Limits
 Child = Callable[[Path, Path], list[str]]
 """The command line that diagnoses a campaign (first) into a folder (second)."""
 
+SAYS = "tp-jax: "
+"""What a sentence of a command for its user begins with."""
+
 
 def diagnosing(campaign: Path, out: Path) -> list[str]:
     """`tp-jax diagnose` by this interpreter, which takes no module from the folder it is in."""
@@ -66,10 +69,12 @@ class Jobs:
         """Starts the diagnosis of a campaign into a folder that it makes.
 
         Raises:
-            InputError: one is running.
+            InputError: one is running, or `close` was called.
         """
         with self._lock:
-            if self._closed or self._status.state == "running":
+            if self._closed:
+                raise InputError("The page is being closed; start it anew.")
+            if self._status.state == "running":
                 raise InputError("A diagnosis is running; wait for its end, or cancel it.")
             out.mkdir()
             try:
@@ -121,15 +126,18 @@ class Jobs:
         assert process.stderr is not None
         assert process.stdin is not None
         messages: deque[str] = deque(maxlen=self._limits.messages)
+        other = ""  # of a library, or of the interpreter: told only where nothing else is
         for raw in process.stderr:
             line = raw.decode("utf-8", "replace").strip()
             told = _progress(line)
             with self._lock:
                 if told is not None:
                     self._status = self._with(stage=told[0], part=told[1])
-                elif line:
-                    messages.append(line.removeprefix("tp-jax: "))
+                elif line.startswith(SAYS):
+                    messages.append(line.removeprefix(SAYS))
                     self._status = self._with(messages=tuple(messages))
+                else:
+                    other = line or other
         code = process.wait()
         process.stderr.close()
         with contextlib.suppress(OSError):
@@ -139,7 +147,8 @@ class Jobs:
         with self._lock:
             state = "cancelled" if self._cancelled else "done" if code == 0 else "failed"
             if state == "failed" and not messages:
-                messages.append(f"The diagnosis ended with the code {code} and said nothing.")
+                said = f"its last words: {other}" if other else "it said nothing"
+                messages.append(f"The diagnosis ended with the code {code}; {said}.")
             self._status = self._with(
                 state=state, part=None, messages=tuple(messages),
                 seconds=time.monotonic() - self._begun,
