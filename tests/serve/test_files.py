@@ -124,6 +124,18 @@ def test_answers_come_back(filled):
         assert top["rig"]["B1"] == 1.2e-3
 
 
+def test_a_drive_that_was_measured(client, folder):
+    rows = RUN.read_text(encoding="utf-8").splitlines()
+    text = "\n".join([f"{rows[0]},drive", *(f"{row},{i % 7}" for i, row in enumerate(rows[1:]))])
+    client.put("/recordings/run.csv", content=text.encode())
+    assert '<option value="measured">' in client.get("/").text
+    runs = {"run.csv": {"used": True, "kind": "measured", "omega": "6"}}
+    assert client.post("/answers", json={"B1": "", "runs": runs}).json() == {"fault": ""}
+    top = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
+    assert top["recording"] == [{"file": "run.csv", "drive": "measured"}]
+    assert '<option value="measured" selected>' in client.get("/").text
+
+
 @pytest.mark.parametrize(
     ("B1", "omega", "words"),
     [

@@ -4,8 +4,8 @@
     guard                      who may ask: token, Host, Origin; the headers of every answer
     names -> uploads           a file's name made safe; a file received whole or not at all
     answers                    what a browser sends of the rig and its runs, as `checks` take it
-    folder                     the served folder: files, campaign.toml, checks, diagnoses
-    jobs                       one diagnosis at a time, in a process of its own
+    folder                     the served folder: files, campaign.toml, checks
+    jobs -> diagnoses          one at a time, in a process of its own; the list of those made
     pictures -> pages          small pictures of both angles; the HTML of all of it
     -> app -> server           the addresses; the process, bound to this computer alone
 
