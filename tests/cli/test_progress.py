@@ -1,6 +1,7 @@
 """Progress is shown on a terminal, and only there."""
 
 import contextlib
+import json
 import os
 import pty
 import sys
@@ -14,6 +15,18 @@ def test_silent_elsewhere(capsys):
         assert progress is silent
     told = capsys.readouterr()
     assert told.out == told.err == ""
+
+
+def test_lines_for_a_program(capsys):
+    with shown(quiet=True, lines=True) as progress:
+        progress("fitting windows of 0.5 s", 0.5)
+        progress("polishing φ", None)
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert [json.loads(line) for line in told.err.splitlines()] == [
+        {"stage": "fitting windows of 0.5 s", "part": 0.5},
+        {"stage": "polishing φ", "part": None},
+    ]
 
 
 def test_shown_on_a_terminal(monkeypatch):

@@ -267,6 +267,25 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_parent(parser: argparse.ArgumentParser, *, progress: bool = False) -> None:
+    """What another program that runs a command asks for.
+
+    Args:
+        parser: of the command.
+        progress: whether the command has progress to write.
+    """
+    group = parser.add_argument_group("for a program that runs this command")
+    group.add_argument(
+        "--until-stdin-closes", action="store_true", help="end with the program that started it"
+    )
+    if progress:
+        group.add_argument(
+            "--progress-lines",
+            action="store_true",
+            help="write stage and part as lines of JSON to standard error",
+        )
+
+
 def add_overwrite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--overwrite",

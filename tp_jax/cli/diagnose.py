@@ -8,11 +8,13 @@ from tp_jax.cli.arguments import (
     add_campaign,
     add_common,
     add_json,
+    add_parent,
     add_seed,
     load,
     non_negative,
     up_to,
 )
+from tp_jax.cli.ending import end_with_standard_input
 from tp_jax.cli.output import plain, ready, replaced, write_json
 
 tolerance = up_to(non_negative, LARGEST_ANGLE, "rad")
@@ -43,6 +45,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )  # fmt: skip
     add_seed(parser)
     add_json(parser)
+    add_parent(parser, progress=True)
     add_common(parser)
     parser.set_defaults(run=run)
 
@@ -54,6 +57,8 @@ def default_folder(name: str) -> Path:
 
 
 def run(args: argparse.Namespace) -> None:
+    if args.until_stdin_closes:
+        end_with_standard_input()
     campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
     report = folder / "report.html"
@@ -64,7 +69,7 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     enable_compilation_cache()
-    with shown(quiet=args.quiet) as progress:
+    with shown(quiet=args.quiet, lines=args.progress_lines) as progress:
         diagnosis = tp.diagnose(
             campaign, seed=args.seed, tolerance=args.tolerance, progress=progress
         )

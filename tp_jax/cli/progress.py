@@ -1,9 +1,12 @@
 """Shows what a long computation is at: on standard error, on a terminal, and only there.
 
+Another program that runs a command asks for lines instead (`--progress-lines`).
+
 The library knows nothing of terminals. It calls `progress(stage, fraction)`: a stage in words and
 how much of it is done, from 0 to 1, or None where that is not known.
 """
 
+import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,9 +18,23 @@ def silent(stage: str, fraction: float | None = None) -> None:
     """Shows nothing."""
 
 
+def as_line(stage: str, fraction: float | None = None) -> None:
+    """Writes a stage and its part as a line of JSON on standard error."""
+    line = json.dumps({"stage": stage, "part": fraction}, ensure_ascii=True)
+    print(line, file=sys.stderr, flush=True)
+
+
 @contextmanager
-def shown(*, quiet: bool) -> Iterator[Progress]:
-    """A `progress` to hand to the library; what it shows is gone when the block ends."""
+def shown(*, quiet: bool, lines: bool = False) -> Iterator[Progress]:
+    """A `progress` to hand to the library; what it shows is gone when the block ends.
+
+    Args:
+        quiet: show nothing.
+        lines: write lines for a program to read, terminal or not.
+    """
+    if lines:
+        yield as_line
+        return
     if quiet or not sys.stderr.isatty():
         yield silent
         return
