@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from tp_jax.cli.progress import FORMS
 from tp_jax.errors import InputError, Notice
 
 if TYPE_CHECKING:
@@ -257,6 +258,17 @@ def add_common(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         default=argparse.SUPPRESS,
         help="show the traceback of a fault",
+    )
+
+
+def add_progress(parser: argparse.ArgumentParser) -> None:
+    """--progress, of the commands that take long."""
+    parser.add_argument(
+        "--progress",
+        choices=FORMS,
+        default=FORMS[0],
+        help="auto: bars, on a terminal only (default); plain: a line of text at most every 10 s; "
+        "json: an object a line, for other programs; all on standard error",
     )
 
 

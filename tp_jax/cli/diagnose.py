@@ -8,14 +8,17 @@ from tp_jax.cli.arguments import (
     add_campaign,
     add_common,
     add_json,
+    add_progress,
     add_seed,
     load,
     non_negative,
     up_to,
 )
-from tp_jax.cli.output import plain, ready, replaced, write_json
+from tp_jax.cli.output import forget, plain, ready, replaced, write_json
 
 tolerance = up_to(non_negative, LARGEST_ANGLE, "rad")
+
+FITS = "fits.json"
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "case-02"
 
@@ -27,6 +30,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         description=(
             "Diagnoses the gap between the model and a campaign of recordings; writes a report "
             "to be read and a diagnosis.json that `tp-jax predict` continues from."
+        ),
+        epilog=(
+            f"Until the command ends, DIR/{FITS} keeps the fits that are done, also of a command "
+            "that is killed; --resume goes on from there, to the same result."
         ),
     )
     add_campaign(parser, default="the example that comes with the package")
@@ -41,8 +48,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--tolerance", metavar="X", type=tolerance, default=0.0,
         help="rad rms; a gap below it matters to nobody (0)",
     )  # fmt: skip
+    parser.add_argument(
+        "--resume", action="store_true", help="go on from a diagnosis that was broken off"
+    )
     add_seed(parser)
     add_json(parser)
+    add_progress(parser)
     add_common(parser)
     parser.set_defaults(run=run)
 
@@ -64,10 +75,11 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     enable_compilation_cache()
-    with shown(quiet=args.quiet) as progress:
+    with shown(quiet=args.quiet, form=args.progress) as progress:
         diagnosis = tp.diagnose(
-            campaign, seed=args.seed, tolerance=args.tolerance, progress=progress
-        )
+            campaign, seed=args.seed, tolerance=args.tolerance, progress=progress,
+            checkpoint=folder / FITS, resume=args.resume,
+        )  # fmt: skip
         result = plain(diagnosis.to_dict())
         write_json(folder / "diagnosis.json", result)
 
@@ -76,6 +88,7 @@ def run(args: argparse.Namespace) -> None:
         progress("writing the report", None)
         with replaced(report) as part:
             write_report(result, part, figures=args.figures)
+    forget(folder / FITS)
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:
