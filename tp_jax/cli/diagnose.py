@@ -1,6 +1,7 @@
 """tp-jax diagnose: where the gap lies, which effect causes it, how far it shrinks."""
 
 import argparse
+from datetime import date
 from pathlib import Path
 
 from tp_jax.cli.arguments import (
@@ -87,7 +88,7 @@ def run(args: argparse.Namespace) -> None:
 
         progress("writing the report", None)
         with replaced(report) as part:
-            write_report(result, part, figures=args.figures)
+            write_report(result, part, figures=args.figures, day=date.today())
     forget(folder / FITS)
     if args.json is not None:
         write_json(args.json, result)

@@ -24,6 +24,7 @@ from tp_jax.recordings.faults import CampaignError
 from tp_jax.recordings.formats import Columns, FileFormat, read_columns
 from tp_jax.recordings.recording import Recording, spanned, within
 from tp_jax.recordings.short import short
+from tp_jax.recordings.started import read_started
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,6 +336,7 @@ def _recording(
         calibration_error={name: errors[name] for name in measured if name in errors},
         sources={name: each for name, each in columns.sources.items() if name in part},
         notes=columns.notes,
+        started=read_started(entry.file),
     )
 
 

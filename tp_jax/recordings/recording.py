@@ -42,6 +42,7 @@ class Recording:
             which that is not known are absent.
         sources: channel -> where in the file it came from, with its unit; empty without a file.
         notes: what was done to the rows when they were read, a sentence each, without its end.
+        started: when it was made, in ISO 8601; None where its metadata do not say.
     """
 
     name: str
@@ -62,6 +63,7 @@ class Recording:
     drift_over: tuple[float, float] | None = None
     sources: Mapping[str, ColumnSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    started: str | None = None
 
     def __repr__(self) -> str:
         drive = (
