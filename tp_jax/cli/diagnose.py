@@ -1,6 +1,8 @@
 """tp-jax diagnose: where the gap lies, which effect causes it, how far it shrinks."""
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import date
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from tp_jax.cli.arguments import (
     up_to,
 )
 from tp_jax.cli.output import forget, plain, ready, replaced, write_json
+from tp_jax.errors import InputError
 
 tolerance = up_to(non_negative, LARGEST_ANGLE, "rad")
 
@@ -65,6 +68,23 @@ def default_folder(name: str) -> Path:
     return Path(f"{flat or 'campaign'}-diagnosis")
 
 
+@contextmanager
+def _kept(file: Path, *, resume: bool) -> Iterator[None]:
+    """Says how to go on from the file after Ctrl-C; takes it away where nothing leads on from it.
+
+    Without --resume an earlier leftover is not looked at; it is replaced once the work begins.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        there = f"; what is done is kept in {file}, and the same command with --resume goes on"
+        raise KeyboardInterrupt(f"Interrupted{there if file.is_file() else ''}.") from None
+    except InputError:
+        if not resume:
+            forget(file)
+        raise
+
+
 def run(args: argparse.Namespace) -> None:
     campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
@@ -76,10 +96,11 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     enable_compilation_cache()
-    with shown(quiet=args.quiet, form=args.progress) as progress:
+    kept = folder / FITS
+    with shown(quiet=args.quiet, form=args.progress) as progress, _kept(kept, resume=args.resume):
         diagnosis = tp.diagnose(
             campaign, seed=args.seed, tolerance=args.tolerance, progress=progress,
-            checkpoint=folder / FITS, resume=args.resume,
+            checkpoint=kept, resume=args.resume,
         )  # fmt: skip
         result = plain(diagnosis.to_dict())
         write_json(folder / "diagnosis.json", result)
@@ -89,7 +110,7 @@ def run(args: argparse.Namespace) -> None:
         progress("writing the report", None)
         with replaced(report) as part:
             write_report(result, part, figures=args.figures, day=date.today())
-    forget(folder / FITS)
+    forget(kept)
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:

@@ -144,14 +144,29 @@ def fits_checkpoint(
 
 
 def _of_fields(of: Any, but: Sequence[str]) -> str:
-    """SHA-256 of a dataclass's fields, arrays by every bit."""
+    """SHA-256 of a dataclass's fields."""
     digest = hashlib.sha256()
     for field in dataclasses.fields(of):
         if field.name not in but:
-            value = getattr(of, field.name)
-            content = value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode()
-            digest.update(f"{field.name} {len(content)} ".encode() + content)
+            _feed(digest, (field.name, getattr(of, field.name)))
     return digest.hexdigest()
+
+
+def _feed(digest: Any, value: Any) -> None:
+    """Feeds a value to a digest, arrays by every bit, wherever they are in it."""
+    if isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype}{value.shape}".encode() + value.tobytes())
+    elif isinstance(value, list | tuple):
+        digest.update(f"({len(value)}".encode())
+        for each in value:
+            _feed(digest, each)
+    elif isinstance(value, Mapping):
+        _feed(digest, sorted(value.items()))
+    elif dataclasses.is_dataclass(value):
+        names = [field.name for field in dataclasses.fields(value)]
+        _feed(digest, [(name, getattr(value, name)) for name in names])
+    else:
+        digest.update(f"{value!r};".encode())
 
 
 def _digest(
