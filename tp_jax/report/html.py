@@ -111,6 +111,8 @@ def context(
         "inapplicable": tables.inapplicable(diagnosis),
         "long": LONG,
         "dates": _dates(diagnosis, day),
+        "day": "" if day is None else day.isoformat(),
+        "scale": tables.scale_line(diagnosis),
         "groups": _groups(diagnosis),
         "groups_known": isinstance(diagnosis.get("confused_with"), list | tuple),
         "detectable": tables.detectable(diagnosis),

@@ -153,7 +153,6 @@ def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
     for key, name in (("campaign", "campaign"), ("model", "model"), ("schema", "schema")):
         rows.append((name, reading.text(diagnosis, key)))
     rows.append(("recorded", " to ".join(reading.recorded(diagnosis))))
-    rows.append(("B1, inertia of the column", _scale(diagnosis)))
     held_out = reading.texts(reading.table(diagnosis, "gap"), "held_out")
     rows.append(("held out, never fitted", ", ".join(held_out)))
     for key, entry in found.items():
@@ -165,14 +164,15 @@ def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
     return made(("What", "is"), [row for row in rows if row[1]])
 
 
-def _scale(diagnosis: Mapping[str, Any]) -> str:
-    """The inertia that fixes the scale of all torques; empty where it is not known."""
+def scale_line(diagnosis: Mapping[str, Any]) -> str:
+    """Which inertia of the column fixes the scale, as a sentence; empty where it is not known."""
     B1 = reading.value(diagnosis, "fits", "before", "parameters", "B1")
     if B1 is None:
         return ""
     if B1 == 1.0:
-        return "not given: all torques are per unit of B1"
-    return f"{with_unit(B1, 'kg m^2')}, as given; it fixes the scale of all torques"
+        return "No inertia B1 of the column was given, so torques and stiffness are per unit of B1."
+    size = f"{number(B1, 7)} {unit('kg m^2')}"
+    return f"The scale is fixed by the column's inertia as it was given: B1 = {size}."
 
 
 def shrink_line(diagnosis: Mapping[str, Any]) -> str:
