@@ -7,7 +7,7 @@ import numpy as np
 
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.intervals import correlations, intervals
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import tables
 from tp_jax.gap.acceptance import (
@@ -150,6 +150,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
             else None,
         },
         "parameters": intervals(final.fit, setting),
+        "correlation": correlations(final.fit, setting),
         "next_experiment": tables.next_experiment(setting, choice, no_gap),
         "recordings": recordings(setting, start_before, start_after, bool(ids)),
         "curves": curves(setting, free_before, free_after if ids else None),
