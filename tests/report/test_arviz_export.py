@@ -62,7 +62,7 @@ def test_draws_have_the_intervals(arviz):
 
 def test_what_has_no_interval_is_constant(arviz):
     constant = to_arviz(FOUND, draws=10)["constant_data"]
-    assert {name: float(constant[name]) for name in constant.data_vars} == {
+    assert {name: float(np.ravel(constant[name])[0]) for name in constant.data_vars} == {
         "T0": 4.0, "A": 0.3, "Ts2": 0.0,
     }  # fmt: skip
     assert constant["A"].attrs["units"] == "rad"
