@@ -28,7 +28,7 @@ def diagnosing(campaign: Path, out: Path) -> list[str]:
     """`tp-jax diagnose` by this interpreter, which takes no module from the folder it is in."""
     return [
         sys.executable, "-P", "-m", "tp_jax", "diagnose", str(campaign), "--out", str(out),
-        "--quiet", "--progress-lines", "--until-stdin-closes",
+        "--quiet", "--progress", "json", "--until-stdin-closes",
     ]  # fmt: skip
 
 
@@ -159,7 +159,7 @@ class Jobs:
 
 
 def _progress(line: str) -> tuple[str, float | None] | None:
-    """Stage and part of a line of `--progress-lines`; None for any other line."""
+    """Stage and part of a line of `--progress json`; None for any other line."""
     if not line.startswith("{"):
         return None
     try:
