@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from tp_jax.effects import Effect, catalogue
+from tp_jax.estimation.fitted import Anchor, Fit
 from tp_jax.estimation.layout import Layout, Unknown, Values, is_from_outside
-from tp_jax.estimation.least_squares import Anchor, Fit
 from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.period import horizons_of, typical_period
 from tp_jax.estimation.problem import Problem, room, sample_capacity
