@@ -61,6 +61,7 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "gap",
     },
+    "exploring": {"acquisition", "gap"},
     "blind": {"effects", "recordings", "estimation", "gap", "rig"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}

@@ -9,9 +9,10 @@ import numpy as np
 
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.gap.applicability import check_predictable
 from tp_jax.gap.assemble import assemble
+from tp_jax.gap.choice import Choice
 from tp_jax.gap.known_noise import choose_under_noise
 from tp_jax.recordings import Campaign, hold_out
 
@@ -43,6 +44,18 @@ class Diagnosis:
         return self.result
 
 
+@dataclasses.dataclass(frozen=True)
+class Examination:
+    """A diagnosis with the fits it rests on.
+
+    setting, choice: of the diagnosis; result: as in diagnosis.json.
+    """
+
+    setting: Setting
+    choice: Choice
+    result: dict[str, Any]
+
+
 def _silent(stage: str, fraction: float | None) -> None:
     """Reports to nobody."""
 
@@ -68,6 +81,20 @@ def diagnose(
         A `Diagnosis`. The choice of causes uses the fitted recordings alone; the held-out ones
         are read once, after it.
     """
+    return Diagnosis(
+        examine(campaign, model=model, seed=seed, tolerance=tolerance, progress=progress).result
+    )
+
+
+def examine(
+    campaign: Campaign,
+    *,
+    model: str = "newton",
+    seed: int = 0,
+    tolerance: float = 0.0,
+    progress: Callable[[str, float | None], None] | None = None,
+) -> Examination:
+    """As `diagnose`, with the fits beside the result, for whoever asks them further."""
     begin = time.perf_counter()
     progress = progress or _silent
     campaign = hold_out(campaign)
@@ -89,4 +116,4 @@ def diagnose(
         "data_sha256": campaign.data_sha256,
         "wall_s": round(time.perf_counter() - begin, 2),
     }
-    return Diagnosis(result)
+    return Examination(setting, choice, result)

@@ -7,5 +7,6 @@ identification identify --json
 starts         a search to go on from
 recording      FILE.csv.meta.json
 calibration    a calibration of the sensors, as TOML
+exploring      what an exploration goes on from
 blind          what a sealed trial keeps
 """
