@@ -142,7 +142,7 @@ def run_explore(args: argparse.Namespace) -> None:
 def line(made: "Made | None", number: int, finding: "Finding") -> str:
     """One round: the run, what was set, the first cause with its probability."""
     if made is None:
-        done = f"{number} recording{'s' if number != 1 else ''} that were there"
+        done = f"Recordings that are there, {number}"
     else:
         done = f"Run {number}, {made.file}, {made.run}"
     if finding.verdict == "no_gap":
