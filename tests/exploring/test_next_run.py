@@ -78,7 +78,7 @@ def test_more_than_enough_does_not_count():
 @pytest.mark.parametrize(
     ("change", "most", "reason", "words"),
     [
-        ({"causes": (("a", 0.96),)}, 8, "cause", "a, with probability 0.96"),
+        ({"causes": (("a", 0.96),)}, 8, "cause", "a, with probability 0.96; something"),
         (
             {"verdict": "no_gap", "causes": (), "first": None, "rivals": {}}, 8,
             "nothing_left", "does not explain",
@@ -91,6 +91,11 @@ def test_reasons_to_stop(change, most, reason, words):
     assert isinstance(step, Stop)
     assert step.reason == reason
     assert words in step.sentence
+
+
+def test_a_cause_that_leaves_nothing_is_told_alone():
+    sure = dataclasses.replace(UNDECIDED, verdict="explained", causes=(("a", 0.9999),))
+    assert chosen(sure).sentence == "The cause is a, with probability above 0.999."
 
 
 def test_the_limit_that_would_help_is_advised():

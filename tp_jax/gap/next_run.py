@@ -200,7 +200,8 @@ def next_run(
     sure = [(id, p) for id, p in finding.causes[:1] if p >= policy.probability]
     if sure:
         id, p = sure[0]
-        return Stop(CAUSE, f"The cause is {id}, with probability {_shown(p)}.")
+        more = "; something beside it is left" if finding.verdict == "unknown" else ""
+        return Stop(CAUSE, f"The cause is {id}, with probability {_shown(p)}{more}.")
     if finding.verdict == "no_gap" and len(made) >= policy.survey:
         return Stop(NONE_LEFT, "The recordings show nothing that the model does not explain.")
     if len(made) >= most:
@@ -309,4 +310,4 @@ def _needed(
 
 
 def _shown(p: float) -> str:
-    return f"{min(p, 0.999):.3g}" if p < 0.999 else "above 0.999"
+    return f"{p:.3g}" if p < 0.999 else "above 0.999"
