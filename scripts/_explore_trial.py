@@ -187,8 +187,8 @@ def look(seed: int, diagnosis: str, version: str) -> Row:
 
 def hide(seed: int) -> Hidden:
     """A rig with one effect of the catalogue that its sweep shows, one to two times detectable."""
-    from tp_jax.blind.detectable import minimum_detectable
-    from tp_jax.blind.draw import applies, draw_rig, largest
+    from trials.detectable import minimum_detectable
+    from trials.draw import applies, draw_rig, largest
 
     rng = np.random.default_rng([seed, 0xE7])
     parameters, own, plan = draw_rig(rng, SWEEP, DURATION)
@@ -207,7 +207,7 @@ def hide(seed: int) -> Hidden:
 
 
 def _bench(parameters: RigParameters, plan: Sequence[dict[str, float]], seed: int) -> Any:
-    from tp_jax.blind.projection import Bench
+    from trials.projection import Bench
 
     return Bench(parameters, plan, duration=DURATION, rate=RATE, noise=NOISE, seed=seed)
 
@@ -215,7 +215,7 @@ def _bench(parameters: RigParameters, plan: Sequence[dict[str, float]], seed: in
 class StandIn:
     """A diagnosis that knows the secret, and says it as surely as the runs made show it.
 
-    The evidence is half of what only the effect explains of them (`tp_jax.blind.projection`), less
+    The evidence is half of what only the effect explains of them (`trials.projection`), less
     what the best of the catalogue's effects shows by chance; a run is forecast to add its part.
     """
 
@@ -245,7 +245,7 @@ class StandIn:
 
     def shown(self, made: Sequence[Any]) -> float:
         """Expected log evidence of some runs [nat]."""
-        from tp_jax.blind.projection import noncentralities
+        from trials.projection import noncentralities
 
         h = self.hidden
         plan = [

@@ -18,7 +18,6 @@ from tp_jax.cli.warned import only_notices
 def build_parser() -> Parser:
     from tp_jax._version import __version__
     from tp_jax.cli import (
-        blind,
         calibrate,
         check,
         compare,
@@ -27,6 +26,7 @@ def build_parser() -> Parser:
         explore,
         identify,
         init,
+        moved,
         predict,
         record,
         rig,
@@ -60,7 +60,7 @@ def build_parser() -> Parser:
         compare,
         predict,
         effects,
-        blind,
+        moved,
     ):
         command.add_parser(subparsers)
     return parser

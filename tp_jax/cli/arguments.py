@@ -4,6 +4,7 @@ import argparse
 import math
 import os
 import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -320,8 +321,6 @@ def load(args: argparse.Namespace, path: str | Path) -> "Campaign":
     Raises:
         InputError: something is certainly wrong.
     """
-    import warnings
-
     from tp_jax.checks import examine
     from tp_jax.recordings import load_campaign
 

@@ -1,6 +1,7 @@
 """tp-jax rig serve: the virtual rig on a pseudo-terminal, for `tp-jax record` or any other host."""
 
 import argparse
+import sys
 from typing import TYPE_CHECKING
 
 from tp_jax.cli.arguments import (
@@ -165,8 +166,6 @@ def rig_arguments(args: argparse.Namespace) -> list[str]:
 
 
 def run_serve(args: argparse.Namespace) -> None:
-    import sys
-
     from tp_jax.rig.serve import serve_until_interrupted
 
     emulator = made(args)

@@ -8,16 +8,11 @@ from typing import Any
 
 from tp_jax._files import replaced
 from tp_jax._version import __version__
-from tp_jax.report import pictures, reading, run_tables, style, tables, verdict, words
+from tp_jax.report import pictures, reading, run_tables, tables, verdict, words
 from tp_jax.report.figure_files import FOLDER, write_figures
 from tp_jax.report.figures.curves import drawable
 
 TEMPLATE = "report.html.j2"
-
-NO_FIGURES = (
-    "This report has no figures, since matplotlib is not installed. To have them, install "
-    "tp-jax[plots] and make the report again."
-)
 
 
 def write_report(
@@ -77,7 +72,6 @@ def context(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> dict[str,
         "verdict": verdict.sentences(diagnosis),
         "version": reading.text(provenance, "version") or __version__,
         "drawn_figures": drawn,
-        "no_figures": "" if style.available() else NO_FIGURES,
         "gap": tables.gap(diagnosis),
         "floor": tables.floor_line(diagnosis),
         "by_run": run_tables.runs(diagnosis),

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tp_jax.checks.harmonics import spectrum
 from tp_jax.errors import InputError
 from tp_jax.report import style
 
@@ -74,8 +75,6 @@ def _duration(recording: "Recording") -> float:
 
 
 def _draw_spectrum(axes, recording: "Recording") -> None:
-    from tp_jax.checks.harmonics import spectrum
-
     frequency, amplitude = spectrum(recording.t, recording.phi1)
     axes.loglog(frequency[1:], amplitude[1:], color=style.MUTED, lw=0.8)
     if recording.omega is not None:
