@@ -3,8 +3,9 @@
 The first cause is taken for true, as large as it was fitted, and its motion on a run is followed.
 A rival then has to explain that motion: windows are cut as for a fit, their states and the rival's
 numbers are optimised anew, and what all recordings so far tell of the numbers counts as a prior.
-Half of the sum of squares that is left is the expected difference of the log evidences on the run,
-but for the charge for unknowns, which does not grow with the run.
+Half of the sum of squares that is left, over the misfit of the first cause's model, is the expected
+difference of the log evidences on the run, but for the charge for unknowns, which does not grow
+with the run.
 
 Where an effect was refitted its own fit is used, else what the screen predicts for it.
 """
@@ -46,11 +47,13 @@ class Alternative:
         values: all its numbers.
         unknowns: those that every run shares, which a run may move.
         information: (u, u) what the recordings so far tell of them.
+        misfit: chi^2/dof that the model leaves, or is predicted to leave, of the recordings so far.
     """
 
     values: Values
     unknowns: tuple[Unknown, ...]
     information: np.ndarray
+    misfit: float
 
 
 def natural_frequency(diagnosis: Mapping[str, Any]) -> float:
@@ -83,13 +86,10 @@ def forecasts(
     start = choice.rounds[0].before
     nothing = _of_fit(Refit(start, ()))
     truth = _alternative(choice, first, accepted=True) or nothing
-    others = {
-        id: found for id in rivals
-        if (found := nothing if id == NOTHING else _alternative(choice, id)) is not None
-    }  # fmt: skip
-    own = [r.release or 0.0 for r in runs]
+    asked = {r: nothing if r == NOTHING else _alternative(choice, r) for r in rivals}
+    others = {rival: model for rival, model in asked.items() if model is not None}
     states = np.zeros((len(runs), 4))
-    states[:, 0] = own
+    states[:, 0] = [run.release or 0.0 for run in runs]
     still = rehearsal(setting, start, duration)
     every = range(len(runs))
 
@@ -98,12 +98,12 @@ def forecasts(
         return still([None] * len(runs)).follow(table, every, states)
 
     motion = followed(truth)
-    motions = [motion, *(followed(model) for model in {id(m): m for m in (*others.values(), nothing)
-                                                       if m is not truth}.values())]  # fmt: skip
+    rest = {id(model): model for model in (*others.values(), nothing) if model is not truth}
+    motions = [motion, *map(followed, rest.values())]
     largest = [_largest(setting, [each[i] for each in motions]) for i in every]
     whole = [i for i in every if np.isfinite(motion[i]).all()]
     told: list[dict[str, float]] = [{} for _ in runs]
-    misfit = max(choice.final.fit.chi2_dof, 1.0)
+    misfit = max(truth.misfit, 1.0)
     for rival, model in others.items() if whole else ():
         table = _table(setting, model.values, [runs[i] for i in whole], duration, amplitude)
         left = _left(still([motion[i] for i in whole]), table, model)
@@ -175,7 +175,8 @@ def _of_fit(found: Refit) -> Alternative:
     if rest:
         cross = H[np.ix_(shared, rest)]
         kept = kept - cross @ pseudo_inverse(H[np.ix_(rest, rest)]) @ cross.T
-    return Alternative(fit.values, tuple(fit.unknowns[i] for i in shared), kept)
+    shares = tuple(fit.unknowns[i] for i in shared)
+    return Alternative(fit.values, shares, kept, fit.chi2_dof)
 
 
 def _of_screen(fit: Fit, scored: Scored) -> Alternative:
@@ -193,9 +194,9 @@ def _of_screen(fit: Fit, scored: Scored) -> Alternative:
     H[np.arange(len(base)), np.arange(len(base))] += [known[u] for u in base]
     values = at.put(base, moved).put(scored.variant.unknowns, scored.estimate)
     shared = [i for i, u in enumerate(unknowns) if u.recording is None]
-    return Alternative(
-        values, tuple(unknowns[i] for i in shared), H[np.ix_(shared, shared)]
-    )  # fmt: skip
+    shares = tuple(unknowns[i] for i in shared)
+    misfit = fit.chi2_dof - scored.drop / max(fit.dof, 1)
+    return Alternative(values, shares, H[np.ix_(shared, shared)], misfit)
 
 
 def outlook(
