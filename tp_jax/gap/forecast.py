@@ -98,9 +98,12 @@ def forecasts(
         return still([None] * len(runs)).follow(table, every, states)
 
     motion = followed(truth)
-    rest = {id(model): model for model in (*others.values(), nothing) if model is not truth}
+    rest = {id(model): model for model in (nothing, *others.values()) if model is not truth}
     motions = [motion, *map(followed, rest.values())]
-    largest = [_largest(setting, [each[i] for each in motions]) for i in every]
+    baseline = motions[0 if truth is nothing else 1]
+    # the baseline is fitted, others may be bold predictions that nothing can follow
+    safe = [bool(np.isfinite(baseline[i]).all()) for i in every]
+    largest = [_largest(setting, [m[i] for m in motions]) if safe[i] else None for i in every]
     whole = [i for i in every if np.isfinite(motion[i]).all()]
     told: list[dict[str, float]] = [{} for _ in runs]
     misfit = max(truth.misfit, 1.0)
@@ -129,11 +132,11 @@ def _left(problem: Any, values: Values, model: Alternative) -> np.ndarray:
     return np.array(left)
 
 
-def _largest(setting: Setting, motions: Sequence[np.ndarray]) -> float | None:
-    """Largest angle of any of the models [rad]; None where one cannot be followed."""
+def _largest(setting: Setting, motions: Sequence[np.ndarray]) -> float:
+    """Largest angle of any of the models that can be followed to the end [rad]."""
     channels = 2 if setting.rider else 1
-    angles = np.stack([motion[:, :channels] for motion in motions])
-    return float(np.abs(angles).max()) if np.isfinite(angles).all() else None
+    angles = [motion[:, :channels] for motion in motions]
+    return float(max(np.abs(each).max() for each in angles if np.isfinite(each).all()))
 
 
 def _table(

@@ -62,7 +62,8 @@ class Forecast:
 
     Attributes:
         run: the run.
-        largest: angle of column or rider under any of the models [rad]; None: not to be integrated.
+        largest: angle of column or rider under any of the models that can be followed [rad]; None:
+            the fitted baseline cannot.
         log_evidence: id of a rival -> expected difference of the log evidences of the first cause
             and of it on this run [nat], everything else fitted anew.
     """
