@@ -5,7 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from tests.acquisition.swing import emulated
@@ -148,24 +147,3 @@ def test_lines():
     assert explore.line(None, 1, Finding("no_gap")) == ("Recordings that are there, 1: no gap")
     assert explore.line(None, 2, Finding("unknown")).endswith("no cause is likely yet")
     assert "candidate a" in explore.line(None, 2, Finding("unknown", (), "a", 0.4))
-
-
-@pytest.mark.slow
-def test_a_real_diagnosis_and_its_forecasts(tmp_path, capsys):
-    """One run of a rig with a strong effect: its limit is kept, and the forecasts can be true."""
-    folder, result = tmp_path / "rig", tmp_path / "result.json"
-    argv = [*FAST[:-1], "4", "--campaign", str(folder), "--runs", "1", "--limit", "1.5"]
-    assert main([*argv, "--json", str(result), "--effect", "contact_stribeck=0.5"]) == 0
-    assert (folder / "diagnosis" / "report.html").is_file()
-    from tp_jax.exploring import state
-
-    finding = state.read(folder).finding
-    assert finding is not None
-    assert finding.forecasts
-    released = [f for f in finding.forecasts if f.run.release is not None]
-    for forecast in released:
-        assert forecast.largest is not None
-        assert forecast.largest > 0.9 * forecast.run.release
-    known = {id for f in finding.forecasts for id in f.log_evidence}
-    assert known <= set(finding.rivals)
-    assert np.isfinite([x for f in finding.forecasts for x in f.log_evidence.values()]).all()

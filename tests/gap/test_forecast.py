@@ -9,7 +9,6 @@ from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 from tp_jax.gap.forecast import forecasts, natural_frequency
 from tp_jax.gap.next_run import NOTHING, Run
 from tp_jax.gap.refit import Refit
-from tp_jax.gap.screen import screen
 from tp_jax.recordings import hold_out, load_campaign
 from tp_jax.rig import BENCH, VirtualRig
 from tp_jax.rig.campaign import make_campaign
@@ -24,38 +23,20 @@ def test_natural_frequency():
     assert found == pytest.approx(16.27, abs=0.01)
 
 
-@pytest.fixture(scope="module")
-def fitted(tmp_path_factory):
-    """A setting, and what `forecasts` asks of a choice: the baseline and the screen."""
-    folder = tmp_path_factory.mktemp("rigs") / "rig"
+@pytest.mark.slow
+def test_angles_come_true_and_no_run_tells_a_model_from_itself(tmp_path):
+    folder = tmp_path / "rig"
     make_campaign(folder, BENCH, {"contact_stribeck": 0.5}, runs=3, duration=DURATION, seed=4)
     setting = prepare_campaign(hold_out(load_campaign(folder)))
     fit = grow(setting, initial_values(setting), setting.unknowns())
-    first = types.SimpleNamespace(before=fit, refits={}, screen=screen(fit, setting, states=False))
-    return setting, types.SimpleNamespace(rounds=(first,), causes=(), final=Refit(fit, ()))
-
-
-@pytest.mark.slow
-def test_angles_and_evidence(fitted):
-    setting, choice = fitted
-    rivals = (NOTHING, "bearing_drag")
-    first = "contact_stribeck"
-    found = forecasts(setting, choice, first, rivals, RUNS, DURATION, None)
+    first = types.SimpleNamespace(before=fit, refits={})
+    choice = types.SimpleNamespace(rounds=(first,), causes=(), final=Refit(fit, ()))
+    found = forecasts(setting, choice, None, (NOTHING,), RUNS, DURATION, None)
     assert [f.run for f in found] == list(RUNS)
     for forecast in found:
         rig = VirtualRig(BENCH, {"contact_stribeck": 0.5})
         rig.start(omega=forecast.run.omega, release=forecast.run.release)
-        swung = max(
-            max(map(abs, rig.motion(t)[:2])) for t in np.arange(0.01, DURATION, 0.01).tolist()
-        )
-        # of several models the largest
-        assert 0.9 * swung < forecast.largest < 1.5 * swung
-        assert set(forecast.log_evidence) == set(rivals)
-    driven = found[0].log_evidence
-    assert driven[NOTHING] > 1.0
-
-    # a model cannot be told from itself, whatever the run
-    same = forecasts(setting, choice, None, (NOTHING,), RUNS, DURATION, None)
-    for forecast, other in zip(same, found, strict=True):
-        assert forecast.log_evidence[NOTHING] < 0.3
-        assert forecast.log_evidence[NOTHING] < 0.1 * max(other.log_evidence[NOTHING], 3.0)
+        times = np.arange(0.01, DURATION, 0.01).tolist()
+        swung = max(max(map(abs, rig.motion(t)[:2])) for t in times)
+        assert forecast.largest == pytest.approx(swung, rel=0.1)
+        assert forecast.log_evidence[NOTHING] < 0.02
