@@ -13,7 +13,7 @@ from tests.waiting import until
 from tp_jax.acquisition.port import Port
 from tp_jax.acquisition.recorder import record
 from tp_jax.acquisition.run_log import Settings
-from tp_jax.errors import InputError
+from tp_jax.errors import InputError, Notice
 from tp_jax.exploring import explore, state
 from tp_jax.exploring.loop import announced_amplitude
 from tp_jax.gap.next_run import Finding, Forecast, Limits, Run
@@ -161,6 +161,28 @@ def test_an_interrupted_diagnosis_is_made_again(rig, tmp_path):
     assert lab.diagnosed == [1, 2, 3]
     assert [made.file for made in explored.runs] == ["decay.csv", "run-9.csv", "run-9-2.csv"]
     assert before.items() < files(folder).items()
+
+
+@pytest.mark.parametrize("which", [1, 2, 3])
+def test_the_second_recording_need_not_be_diagnosable(which, rig, tmp_path):
+    """The first has to be, or nothing can be predicted, and later ones as well."""
+    lab, folder = Lab(rig, sure_after=4), tmp_path / "rig"
+    good = lab.diagnose
+
+    def fails(folder):
+        if len(load_campaign(folder).recordings) == which:
+            raise InputError("It cannot be integrated.")
+        return good(folder)
+
+    lab.diagnose = fails
+    if which == 2:
+        with pytest.warns(Notice, match="The 2 recordings so far cannot be diagnosed"):
+            assert lab.explore(folder).stop.reason == "cause"
+        assert lab.diagnosed == [1, 3, 4]
+    else:
+        with pytest.raises(InputError, match="cannot be integrated"):
+            lab.explore(folder)
+        assert len(lab.recorded) == which
 
 
 def test_an_interrupted_recording_is_kept(rig, tmp_path):

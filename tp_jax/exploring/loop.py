@@ -6,6 +6,7 @@ diagnoses.
 
 import dataclasses
 import json
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from tp_jax.acquisition.campaign_entry import (
 )
 from tp_jax.acquisition.recorder import uninterrupted
 from tp_jax.acquisition.run_log import Recorded, metadata_path
-from tp_jax.errors import InputError
+from tp_jax.errors import InputError, Notice
 from tp_jax.exploring.state import Made, State, read, write
 from tp_jax.gap.next_run import Finding, Limits, Next, Run, Stop, first_run, next_run
 from tp_jax.gap.policy import POLICY, ExplorePolicy
@@ -116,7 +117,7 @@ def explore(
         entries = entries_of(folder)
         of = json.loads(json.dumps({"files": [e.get("file") for e in entries], **asked}))
         if entries and (state.finding is None or state.diagnosed != of):
-            finding = diagnose(folder)
+            finding = _diagnosed(folder, diagnose, state.finding, len(entries), policy)
             runs = state.runs
             last = None
             if runs and runs[-1].file == entries[-1].get("file"):
@@ -146,6 +147,26 @@ def explore(
         _recorded(folder, record, planned)
         state = dataclasses.replace(state, runs=(*state.runs, planned), next=None)
         write(folder, state)
+
+
+def _diagnosed(
+    folder: Path, diagnose: Diagnose, before: Finding | None, number: int, policy: ExplorePolicy
+) -> Finding:
+    """The finding of all recordings so far.
+
+    Where the first few cannot be diagnosed together, which is a `Notice`, another run may help: the
+    forecasts of before stand, and nothing is known of causes.
+    """
+    try:
+        return diagnose(folder)
+    except InputError as fault:
+        if before is None or number >= policy.survey:
+            raise
+        warnings.warn(
+            f"The {number} recordings so far cannot be diagnosed, another one is made. {fault}",
+            Notice, stacklevel=2,
+        )  # fmt: skip
+        return Finding("unknown", forecasts=before.forecasts)
 
 
 def announced_amplitude(folder: Path) -> float | None:
