@@ -31,6 +31,7 @@ def build_parser() -> Parser:
         record,
         rig,
         sensitivity,
+        serve,
         simulate,
     )
 
@@ -60,6 +61,7 @@ def build_parser() -> Parser:
         compare,
         predict,
         effects,
+        serve,
         moved,
     ):
         command.add_parser(subparsers)
