@@ -55,6 +55,7 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "gap",
     },
+    "exploring": {"acquisition", "gap"},
     "serve": {"recordings", "checks", "report"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}
