@@ -1,7 +1,7 @@
 """Few compiled programs serve the baseline and every effect."""
 
 from tests.rigs import bench_problem, bench_values, whole_layout
-from tp_jax.effects import catalogue
+from tp_jax.effects import Amplitude, Effect, catalogue
 from tp_jax.estimation import program
 from tp_jax.estimation.layout import Layout
 from tp_jax.estimation.problem import DIRECTIONS
@@ -46,14 +46,53 @@ def test_slots_beyond_a_portion_are_the_same_as_alone():
     assert abs(every[:, :, -1:] - last).max() < 1e-9 * scale
 
 
-def test_programs_are_kept_for_the_packages_own_effects_only():
+def test_programs_are_described_by_what_they_carry():
     kinds = [type(effect) for effect in catalogue().values()]
     own = tuple(kind() for kind in kinds)
-    assert Layout("double", own).described == whole_layout().described
-    assert Layout("single", own).described != whole_layout().described
-    assert Layout("double", own[1:]).described != whole_layout().described
+    every = frozenset(effect.id for effect in own)
+    described = whole_layout().described(every)
+    assert Layout("double", own).described(every) == described
+    assert Layout("single", own).described(every) != described
+    assert Layout("double", own[1:]).described(every) != described
+    assert Layout("double", own).described(every - {own[0].id}) != described
 
-    class Other(kinds[0]):
-        """From outside the package: its source may change."""
 
-    assert Layout("double", (*own[1:], Other())).described is None
+class Spin(Effect):
+    """An effect from outside the package."""
+
+    id = "contact_spin"
+    location = "contact"
+    hook = "contact"
+    amplitudes = (Amplitude("a", "s^2/rad^2", typical=0.01),)
+    factor = 1.0
+
+    def increment(self, m, a):
+        return self.factor * m.contact_dry * a * m.v2**2
+
+
+class Faster(Spin):
+    """The same under the same name with another number in its formula."""
+
+    factor = 2.0
+
+
+def test_an_effect_from_outside_is_described_by_its_formula():
+    def described(kind, ids):
+        return program._described(Layout("double", (*catalogue().values(), kind())), ids)
+
+    mine = frozenset({"contact_spin"})
+    assert described(Spin, mine) == described(Spin, mine)
+    assert described(Spin, mine) != described(Faster, mine)
+    # what does not carry it is what it was, and finds room for its numbers
+    assert described(Spin, program.NONE) == program._described(whole_layout(), program.NONE)
+    assert Layout("double", (*catalogue().values(), Spin())).room == whole_layout().room
+
+
+def test_an_effect_from_outside_has_a_program_of_its_own():
+    layout = Layout("double", (*catalogue().values(), Spin()))
+    known, mine = program.Programs(layout), frozenset({"contact_spin"})
+    assert mine in layout.families
+    assert not mine & known.plain
+    cause = frozenset({"bearing_drag"})
+    assert known.cover(cause, mine) == cause | mine
+    assert known.cover(mine, known.plain) == mine | known.plain

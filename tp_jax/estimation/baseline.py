@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from tp_jax.effects import Effect, catalogue
-from tp_jax.estimation.layout import Layout, Unknown, Values
+from tp_jax.estimation.layout import Layout, Unknown, Values, is_from_outside
 from tp_jax.estimation.least_squares import Anchor, Fit
 from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.period import horizons_of, typical_period
@@ -212,7 +212,7 @@ def prepare_campaign(
         effects = list(catalogue().values())
         if campaign.model == "single":
             effects = [e for e in effects if not e.about_rider]
-    layout = Layout(campaign.model, tuple(effects))
+    layout = Layout(campaign.model, tuple(sorted(effects, key=is_from_outside)))
     own = np.array([np.median(np.diff(r.t)) for r in recordings])
     step = float(np.median(own))
     widths = np.clip(np.round(period / 10.0 / own), 7, 25).astype(int) | 1

@@ -38,13 +38,23 @@ SENSORS = frozenset({"sensor1", "sensor2", "clock"})
 MOTION = frozenset(HOOKS) - {"sensor1", "sensor2"}
 
 
+#: Slots to which the rows of a program's arrays are rounded up.
+ROOM = 32
+
+
+def is_from_outside(effect: Effect) -> bool:
+    """Whether an effect's class is not one of this package's."""
+    return type(effect).__module__.split(".")[0] != __name__.split(".")[0]
+
+
 @dataclasses.dataclass(frozen=True)
 class Layout:
     """The slots of one kind of pendulum with a set of effects.
 
     Attributes:
         kind: "double" or "single".
-        effects: the effects whose amplitudes have slots.
+        effects: the effects whose amplitudes have slots; those from outside the package should be
+            the last (`room`).
     """
 
     kind: str
@@ -74,13 +84,32 @@ class Layout:
         """Name to slot."""
         return {p.name: i for i, p in enumerate(self.parameters)}
 
+    @property
+    def room(self) -> int:
+        """Rows of the arrays that compiled programs take: one for each slot, and some to spare.
+
+        So a user's own effect, whose slots come last, leaves the programs that do not carry it as
+        they were, and they are found in the cache.
+        """
+        return -(-len(self.parameters) // ROOM) * ROOM
+
     @functools.cached_property
-    def described(self) -> str | None:
-        """The same in every process; None with effects from outside the package."""
-        kinds = [type(e) for e in self.effects]
-        if any(kind.__module__.split(".")[0] != __package__.split(".")[0] for kind in kinds):
-            return None
-        return f"{self.kind} {[f'{kind.__module__}.{kind.__qualname__}' for kind in kinds]}"
+    def outside(self) -> frozenset[str]:
+        """Effects from outside the package."""
+        return frozenset(e.id for e in self.effects if is_from_outside(e))
+
+    def described(self, ids: frozenset[str]) -> str:
+        """All that a program which carries some effects takes from those of the package.
+
+        It is the same in every process. Effects from outside are left out: see
+        `program.described`.
+        """
+        named = [
+            f"{type(e).__module__}.{type(e).__qualname__}{'*' if e.id in ids else ''}"
+            for e in self.effects
+            if e.id not in self.outside
+        ]
+        return f"{self.kind} {named}"
 
     def carried(self, ids: frozenset[str]) -> tuple[Effect, ...]:
         """The effects of some ids."""
@@ -117,12 +146,14 @@ class Layout:
     def families(self) -> tuple[frozenset[str], ...]:
         """Effects of the motion in groups: what they add to a step's cost is alike.
 
-        Those without a state of their own, those with one, those with two.
+        Those without a state of their own, those with one, those with two. Those from outside the
+        package are alone, so that nobody compiles all others anew with them.
         """
-        kinds: dict[int, set[str]] = {}
+        kinds: dict[tuple, set[str]] = {}
         for e in self.effects:
             if e.hook in MOTION:
-                kinds.setdefault(e.n_states, set()).add(e.id)
+                alone = e.id if e.id in self.outside else ""
+                kinds.setdefault((alone, e.n_states), set()).add(e.id)
         return tuple(frozenset(kinds[kind]) for kind in sorted(kinds))
 
     def n_states(self, ids: frozenset[str] = frozenset()) -> int:

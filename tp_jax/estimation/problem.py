@@ -285,11 +285,12 @@ class Problem:
         """Directions of a call to a program that is asked for so many.
 
         Most of what is asked of effects with states of their own is one amplitude at many shapes.
-        A call that asks for nothing takes a quarter of the time.
+        A call that asks for nothing takes a quarter of the time. The model without effects is
+        seldom asked for few: a width of its own would be compiled for four calls of a diagnosis.
         """
         if not asked:
             return 0
-        few = self.layout.n_states(ids) > 4 or len(self.layout.amplitudes(ids)) <= FEW
+        few = self.layout.n_states(ids) > 4 or 0 < len(self.layout.amplitudes(ids)) <= FEW
         return FEW if few and asked <= FEW else DIRECTIONS
 
     def compile_ahead(self, active: frozenset[str], states: bool = True) -> None:

@@ -7,8 +7,10 @@ numbers an effect has, and what is differentiated by, is data.
 
 import dataclasses
 import functools
+import hashlib
+import logging
 from collections.abc import Callable, Collection, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -21,6 +23,8 @@ from tp_jax.estimation.layout import Layout
 from tp_jax.estimation.placement import Experience
 from tp_jax.simulation.columns import columns, some_columns
 from tp_jax.simulation.lanes import Integrated, Lanes, Tolerances, integrate
+
+log = logging.getLogger(__name__)
 
 NONE = frozenset[str]()
 
@@ -75,8 +79,9 @@ class Programs:
     A family of effects shares one, so that all of them may be looked at (`Layout.families`). Beside
     effects that are there already, all families without states share one, which serves whatever is
     there, and is compiled once for all campaigns. One of everything would take minutes to compile
-    and gigabytes: a family with states is looked at beside just what is there. Each is compiled
-    when it is first needed; what fits into several uses the smallest.
+    and gigabytes: a family with states is looked at beside just what is there, and so is an effect
+    from outside the package. Each is compiled when it is first needed; what fits into several uses
+    the smallest.
     """
 
     def __init__(self, layout: Layout):
@@ -84,8 +89,11 @@ class Programs:
         self.experience = Experience()
         self.known = [NONE, *layout.families]
         self.moving = frozenset().union(*layout.families)
-        self.stateful = [f for f in layout.families if layout.n_states(f) > layout.n_states()]
-        self.plain = self.moving.difference(*self.stateful)
+        self.apart = [
+            f for f in layout.families
+            if layout.n_states(f) > layout.n_states() or f & layout.outside
+        ]  # fmt: skip
+        self.plain = self.moving.difference(*self.apart)
         self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes({e.id})}
 
     def active(self, p: np.ndarray) -> frozenset[str]:
@@ -107,7 +115,7 @@ class Programs:
         needed = active | asked
         found = self.covering(needed)
         if found is None:
-            families = [f for f in self.stateful if f & asked]
+            families = [f for f in self.apart if f & asked]
             found = active.union(*families) if families else self.plain | needed
             self.known.append(found)
         return found
@@ -183,18 +191,69 @@ def linearise(
         directions: slots to differentiate by.
     """
     steps = np.array(tolerances, float) if isinstance(tolerances, Tolerances) else tolerances
+    p = _with_room(layout, p)
     run, own = _integrate(layout, ids, steps, p, x0, block, directions)
     return _observe(layout, p, block, directions, run)._replace(own=own)
 
 
-def _described(layout: Layout, *rest: Any) -> str | None:
-    """All that a program takes from static arguments; None with effects from outside the package.
+def _with_room(layout: Layout, p: Float[Array, "P L"]) -> Float[Array, "R L"]:
+    """Numbers by slot with rows to spare (`Layout.room`)."""
+    pad = np.pad if isinstance(p, np.ndarray) else jnp.pad
+    return pad(p, ((0, layout.room - len(p)), (0, 0)))
 
-    (Whether the source of those is what it was, nobody can say.)
+
+def _described(layout: Layout, ids: frozenset[str] | None = None) -> str | None:
+    """All that a program takes from its static arguments, the same in every process.
+
+    Of the package's own effects the names say enough, since the source is part of a program's key
+    (`Stored`). Of others the formulas do: nobody can say whether their source is all that they
+    depend on.
+
+    Args:
+        layout: structure of the model.
+        ids: of the effects that the program carries; those of the sensors if None.
+
+    Returns:
+        None where an effect's formula cannot be traced alone.
     """
-    if layout.described is None:
+    carried = layout.sensing if ids is None else ids
+    try:
+        return layout.described(carried) + _formulas(layout, carried & layout.outside)
+    except Exception as fault:  # an effect of the user's that leans on another: it is traced anew
+        log.info("A program with %s is not kept: %s", sorted(carried & layout.outside), fault)
         return None
-    return repr((layout.described, *(sorted(x) if isinstance(x, frozenset) else x for x in rest)))
+
+
+@functools.cache
+def _formulas(layout: Layout, ids: frozenset[str]) -> str:
+    """Digest of what a model with some effects computes, and of its first two derivatives."""
+    if not ids:
+        return ""
+    one = jax.ShapeDtypeStruct((1,), jnp.float64)
+    n = layout.n_states(ids)
+
+    def model(q, piece, left):
+        return layout.model(q, piece, left, ids)
+
+    def once(t, y, q, piece, left):
+        moved = model(q, piece, left)
+        return moved.derivative(t, y), moved.readings(t, y[:4])
+
+    def differentiated(function):
+        return lambda *a: jax.jvp(function, a, jax.tree.map(jnp.ones_like, a))
+
+    arguments = (one, (one,) * n, (one,) * len(layout.parameters), (one,) * 4, one)
+    text = jax.jit(differentiated(differentiated(once))).lower(*arguments).as_text()
+    if n > layout.n_states():
+        some = jax.ShapeDtypeStruct((4,), jnp.float64)
+        past = jax.jit(lambda t, y, q: _past(model(q, None, None), t, y))
+        text += past.lower(some, (some,) * 4, (one,) * len(layout.parameters)).as_text()
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _slots(layout: Layout, p: Float[Array, "R L"]) -> tuple[Float[Array, " L"], ...]:
+    """Numbers by slot, without the rows to spare."""
+    return tuple(p)[: len(layout.parameters)]
 
 
 @functools.partial(Stored, static=2, describe=_described)
@@ -209,7 +268,7 @@ def _integrate(layout, ids, tolerances, p, x0, block, directions):
     eps = (layout.index["eps1"], layout.index["eps2"])
     lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
     steps = Tolerances(*tolerances)
-    run = integrate(field, tuple(p), lanes, eps, directions, layout.estimable, steps)
+    run = integrate(field, _slots(layout, p), lanes, eps, directions, layout.estimable, steps)
     # What follows knows angles and velocities only, and is compiled once for all.
     count = x0.shape[1]
     s = run.s
@@ -221,7 +280,7 @@ def _integrate(layout, ids, tolerances, p, x0, block, directions):
 @functools.partial(Stored, static=1, describe=_described)
 def _observe(layout, p, block, directions, run) -> Linearised:
     """Readings of integrated windows, less the data."""
-    slots = tuple(p)
+    slots = _slots(layout, p)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))  # components (n, L)
     measured = block.pieces is not None
     if measured:
@@ -301,7 +360,6 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     )
 
 
-@functools.partial(Stored, static=2, describe=_described)
 def remember(
     layout: Layout,
     ids: frozenset[str],
@@ -320,10 +378,15 @@ def remember(
         y: angles and velocities there.
         pieces: of a measured drive from each sample on.
     """
+    return _remember(layout, ids, _with_room(layout, p), t, y, pieces)
 
+
+@functools.partial(Stored, static=2, describe=_described)
+def _remember(layout, ids, p, t, y, pieces):
     def along(p, t, y, piece):
         left = None if piece is None else t
-        model = layout.model(tuple(p), None if piece is None else tuple(piece.T), left, ids)
+        coefficients = None if piece is None else tuple(piece.T)
+        model = layout.model(_slots(layout, p), coefficients, left, ids)
         return _past(model, t, tuple(y))
 
     return jax.vmap(along, in_axes=(1, 0, 0, None if pieces is None else 0))(p, t, y, pieces)
