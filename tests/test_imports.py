@@ -55,6 +55,7 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "gap",
     },
+    "serve": {"recordings", "checks", "report"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}
 ALLOWED["__main__"] = {"cli"}
@@ -76,6 +77,8 @@ FORBIDDEN = {
     "schemas": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,
+    # a page that waits for a diagnosis in another process takes no memory for one
+    "serve": JAX,
 }
 
 # What may be imported inside a function, besides the package itself in `cli` and the root, which
@@ -288,6 +291,12 @@ def loaded_after(statement: str) -> set[str]:
 
 def test_importing_the_package_loads_nothing_heavy():
     assert loaded_after("import tp_jax").isdisjoint({*JAX, "numpy", "scipy", "rich", "matplotlib"})
+
+
+def test_the_page_loads_nothing_heavy():
+    pytest.importorskip("starlette", reason="needs the extra `serve`: pip install '.[serve]'")
+    loaded = loaded_after("import tp_jax.serve.server")
+    assert loaded.isdisjoint({*JAX, "scipy", "matplotlib"})
 
 
 @pytest.mark.parametrize("name", ["recordings", "acquisition", "checks"])

@@ -70,7 +70,7 @@ def test_another_for_other_static_arguments_shapes_and_trees(folder):
 def test_another_for_another_source(folder, monkeypatch):
     f, pair = Traced(), Pair(jnp.ones(3), None)
     f.process()(2.0, pair)
-    monkeypatch.setattr(_stored, "_source", lambda: "changed")
+    monkeypatch.setattr(_stored, "source_digest", lambda: "changed")
     f.process()(2.0, pair)
     assert len(f.traces) == len(list(folder.iterdir())) == 2
 
@@ -153,7 +153,7 @@ def test_threads_wait_for_one_another(folder):
 
 
 def test_digest_of_the_source_knows_every_file():
-    assert len(_stored._source()) == 64
+    assert len(_stored.source_digest()) == 64
 
 
 @pytest.mark.parametrize(("seconds", "times"), [(0.0, 1), (1e9, 0)])

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from tp_jax.recordings import CampaignError as CampaignError
     from tp_jax.recordings import Recording as Recording
     from tp_jax.recordings import load_campaign as load_campaign
+    from tp_jax.report.arviz_export import to_arviz as to_arviz
     from tp_jax.sensitivity_analysis.analysis import SensitivityAnalysis as SensitivityAnalysis
     from tp_jax.sensitivity_analysis.analysis import sensitivity as sensitivity
     from tp_jax.simulation.reversal_controller import ReversalController as ReversalController
@@ -58,6 +59,7 @@ _WITHOUT_JAX = {
     "check": ("tp_jax.checks", "check"),
     "Recording": ("tp_jax.recordings", "Recording"),
     "load_campaign": ("tp_jax.recordings", "load_campaign"),
+    "to_arviz": ("tp_jax.report.arviz_export", "to_arviz"),
 }
 _WITH_JAX = {
     "Diagnosis": ("tp_jax.gap.diagnosis", "Diagnosis"),
@@ -114,6 +116,7 @@ __all__ = [
     "sensitivity",
     "simulate",
     "sweep",
+    "to_arviz",
 ]
 
 

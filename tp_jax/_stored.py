@@ -111,7 +111,7 @@ class Stored:
         if folder is None or described is None:
             return None
         about = (
-            self.function.__qualname__, described, shapes, _source(), jax.__version__,
+            self.function.__qualname__, described, shapes, source_digest(), jax.__version__,
             jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
             loops_left_alone(),
             platform.python_version(), _processor.name(), jax.config.read("jax_enable_x64"),
@@ -185,7 +185,7 @@ def _keep(file: Path, exported: export.Exported) -> None:
 
 
 @functools.cache
-def _source() -> str:
+def source_digest() -> str:
     """Digest of the package's source."""
     root = Path(__file__).parent
     digest = hashlib.sha256()

@@ -44,7 +44,7 @@ print(json.dumps({
 STAGES = {
     "loading": "loading", "preparing": "preparing", "fitting windows": "baseline",
     "sharpening": "sharpening", "screening": "screening", "refitting": "refitting",
-    "polishing": "polishing", "predicting without": "leaving out",
+    "polishing": "polishing", "predicting": "leaving out",
     "trying to do without": "doing without", "longer windows": "longer windows",
     "reading": "held-out",
 }  # fmt: skip

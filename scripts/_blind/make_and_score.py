@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from tp_jax.cli.arguments import add_common, add_json, add_seed, count, whole
+from tp_jax.cli.arguments import add_common, add_json, add_progress, add_seed, count, whole
 
 MOST_CASES = 100_000
 """Of a trial: a month of making them, and longer to diagnose them."""
@@ -34,6 +34,7 @@ def add_parsers(commands: argparse._SubParsersAction) -> None:
         "--workers", metavar="N", type=processes, help="processes (default: as many as processors)"
     )
     add_seed(make)
+    add_progress(make)
     add_common(make)
     make.set_defaults(run=run_make)
 
@@ -54,6 +55,7 @@ def add_parsers(commands: argparse._SubParsersAction) -> None:
         help="score the first N cases and give up the others, which are not diagnosed",
     )  # fmt: skip
     add_json(score)
+    add_progress(score)
     add_common(score)
     score.set_defaults(run=run_score)
 
@@ -81,7 +83,7 @@ def run_make(args: argparse.Namespace) -> int:
     from trials import make
 
     workers = args.workers or os.cpu_count() or 1
-    with shown(quiet=args.quiet) as progress:
+    with shown(quiet=args.quiet, form=args.progress) as progress:
         digest = make(
             args.directory, args.cases, args.seed, rigs=args.rigs,
             workers=min(workers, args.cases), progress=progress,
@@ -102,7 +104,7 @@ def run_score(args: argparse.Namespace) -> int:
     open_key(
         Path(args.directory), args.first
     )  # what is wrong is told before anything heavy is loaded
-    with shown(quiet=args.quiet) as progress:
+    with shown(quiet=args.quiet, form=args.progress) as progress:
         shrinks, harms = (None, None) if args.quick else on_sealed_runs()
         scored = score(
             args.directory, shrinks=shrinks, harms=harms, first=args.first, progress=progress

@@ -39,6 +39,7 @@ EXAMPLES = {
         "tp-jax predict first/diagnosis.json --recording my-rig/run-13.csv --model before",
     ),
     "effects": ("tp-jax effects", "tp-jax effects contact_stribeck"),
+    "serve": ("tp-jax serve my-rig", "tp-jax serve --no-browser --port 8000"),
 }
 
 

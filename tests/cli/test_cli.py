@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import warnings
+from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -430,8 +431,9 @@ def test_diagnose(any_campaign, capsys, monkeypatch, tmp_path):
     put(monkeypatch, "diagnose", answering(called, result))
     asked = []
 
-    def write_report(given, path, *, figures):
+    def write_report(given, path, *, figures, day):
         asked.append(figures)
+        assert day == date.today()
         Path(path).write_text(str(given))
 
     html = SimpleNamespace(write_report=write_report)

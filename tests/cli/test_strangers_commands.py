@@ -117,6 +117,7 @@ def test_one_effect_is_told(capsys):
     out = capsys.readouterr().out
     assert words.EFFECTS["contact_stribeck"] in out
     assert catalogue()["contact_stribeck"].remedy in out
+    assert catalogue()["contact_stribeck"].by_hand in out
 
 
 def test_an_effect_that_is_not_there(capsys):

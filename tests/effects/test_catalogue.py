@@ -199,8 +199,10 @@ def test_a_formula_that_fails_is_refused_where_it_is_registered(faulty, said):
 
 @every_effect
 def test_says_what_to_do(effect):
-    assert effect.remedy
-    assert not effect.remedy.endswith(".")
+    for text in (effect.remedy, effect.by_hand):
+        assert text
+        assert text[0].islower()
+        assert not text.endswith(".")
 
 
 def test_an_effect_of_ones_own_brings_its_clause():

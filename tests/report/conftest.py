@@ -52,6 +52,9 @@ def explained() -> dict:
                 "strength": {"value": 0.58, "unit": "1", "ci95": [0.55, 0.61]},
                 "vs": {"value": 0.3, "unit": "rad/s", "ci95": None},
             },
+            "remedy": "clean the contact's surfaces, or use a pad of PTFE",
+            "by_hand": "pull the rider slowly with a spring balance, and compare the two forces",
+            "agreement": {"improved": 5, "of": 6, "worse": ["decay.csv"], "drops": {}},
         }],
         "candidates": [
             {"effect": e, "location": e.split("_")[0], "predicted_shrink": p,

@@ -2,6 +2,7 @@
 
 import os
 import re
+from datetime import date
 from html.parser import HTMLParser
 
 import pytest
@@ -236,3 +237,49 @@ def test_every_effect_has_words():
     from tp_jax.effects import catalogue
 
     assert set(catalogue()) <= set(words.EFFECTS)
+
+
+def test_contents_lead_to_every_part(text):
+    page = Page(text)
+    led = [a["href"][1:] for a in page.all("a")]
+    parts = [s["id"] for s in page.all("section") if "id" in s]
+    assert led == (parts if len(parts) > 1 else [])
+
+
+def test_dates_and_scale(made):
+    diagnosis = made("explained")
+    diagnosis["recordings"][0]["started"] = "2026-11-23T10:00:00+00:00"
+    diagnosis["recordings"][1]["started"] = "2026-11-20T10:00:00+00:00"
+    diagnosis["fits"]["before"] = {"parameters": {"B1": 1.284614e-3}}
+    said = Page(render(diagnosis, day=date(2026, 11, 26))).text
+    assert "recorded 2026-11-20 to 2026-11-23" in said
+    assert "report of 2026-11-26" in said
+    assert "B1 = 0.001284614 kg m²" in said
+    diagnosis["fits"]["before"]["parameters"]["B1"] = 1.0
+    assert "per unit of B1" in Page(render(diagnosis)).text
+    assert "report of" not in Page(render(diagnosis)).text
+
+
+def test_long_tables_are_folded_away(made):
+    page = Page(render(made("explained")))
+    folded = len(page.all("details"))
+    assert folded == len(page.all("summary")) == 2  # further candidates, and why one does not apply
+    diagnosis = made("explained")
+    diagnosis["parameters"] = {f"p{i}": diagnosis["parameters"]["k"] for i in range(30)}
+    assert len(Page(render(diagnosis)).all("details")) == folded + 1
+
+
+def test_why_an_effect_does_not_apply(made):
+    diagnosis = made("explained")
+    diagnosis["candidates"][-1]["note"] = "Does not apply: it needs B1 and B2 from elsewhere."
+    said = Page(render(diagnosis)).text
+    assert "Why 1 effect does not apply" in said
+    assert "it needs B1 and B2 from elsewhere." in said
+
+
+def test_a_table_is_parted_only_where_that_hides_something():
+    whole = tables.made(("a",), [(str(i),) for i in range(7)])
+    assert tables.first_rows(whole, 6) == (whole, None)
+    first, rest = tables.first_rows(whole, 5)
+    assert [row[0] for row in first.rows + rest.rows] == list("0123456")
+    assert tables.first_rows(None, 5) == (None, None)

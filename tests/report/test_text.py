@@ -103,3 +103,31 @@ def test_groups_beyond_those_shown_are_counted(made, groups, end):
     lines = [line for line in summary(diagnosis).splitlines() if "Not told apart" in line]
     assert len(lines) == 2
     assert lines[-1].endswith(end)
+
+
+def test_agreement_of_the_recordings(made):
+    diagnosis = made("explained")
+    said = sentences(diagnosis).agreement
+    assert said == "It improves the fit in 5 of 6 recordings, and makes it worse in decay.csv."
+    assert " ".join(summary(diagnosis).split()).count(said) == 1
+    diagnosis["causes"][0]["agreement"] = {"improved": 1, "of": 1, "worse": []}
+    assert sentences(diagnosis).agreement == ""
+    diagnosis["causes"][0]["agreement"] = None
+    assert sentences(diagnosis).agreement == ""
+    assert sentences(made("no_gap")).agreement == ""
+
+
+def test_what_to_do_about_a_cause(made):
+    diagnosis = made("explained")
+    said = sentences(diagnosis).remedy
+    assert said == (
+        "Clean the contact's surfaces, or use a pad of PTFE. To check it by hand: pull the rider "
+        "slowly with a spring balance, and compare the two forces."
+    )
+    assert "What to do: Clean the contact's surfaces" in summary(diagnosis)
+    second = {"effect": "spring_asymmetry", "remedy": "mount the spring without slack"}
+    diagnosis["causes"].append(second)
+    said = sentences(diagnosis).remedy
+    assert "For contact_stribeck: clean" in said
+    assert said.endswith("For spring_asymmetry: mount the spring without slack.")
+    assert sentences(made("unknown")).remedy == ""

@@ -30,6 +30,7 @@ def build_parser() -> Parser:
         record,
         rig,
         sensitivity,
+        serve,
         simulate,
     )
 
@@ -58,6 +59,7 @@ def build_parser() -> Parser:
         compare,
         predict,
         effects,
+        serve,
         moved,
     ):
         command.add_parser(subparsers)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from tp_jax.cli.progress import FORMS
 from tp_jax.errors import InputError, Notice
 
 if TYPE_CHECKING:
@@ -261,10 +262,29 @@ def add_common(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_progress(parser: argparse.ArgumentParser) -> None:
+    """--progress, of the commands that take long."""
+    parser.add_argument(
+        "--progress",
+        choices=FORMS,
+        default=FORMS[0],
+        help="auto: bars, on a terminal only (default); plain: a line of text at most every 10 s; "
+        "json: an object a line, for other programs; all on standard error",
+    )
+
+
 def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json", metavar="F", help="write the result as JSON; - : to standard output, alone"
     )
+
+
+def add_parent(parser: argparse.ArgumentParser) -> None:
+    """For another program that runs the command: it ends with that program."""
+    parser.add_argument(
+        "--until-stdin-closes", action="store_true",
+        help="end when standard input does: with the program that started this one",
+    )  # fmt: skip
 
 
 def add_overwrite(parser: argparse.ArgumentParser) -> None:

@@ -1,6 +1,9 @@
 """tp-jax diagnose: where the gap lies, which effect causes it, how far it shrinks."""
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import date
 from pathlib import Path
 
 from tp_jax.cli.arguments import (
@@ -8,14 +11,20 @@ from tp_jax.cli.arguments import (
     add_campaign,
     add_common,
     add_json,
+    add_parent,
+    add_progress,
     add_seed,
     load,
     non_negative,
     up_to,
 )
-from tp_jax.cli.output import plain, ready, replaced, write_json
+from tp_jax.cli.ending import end_with_standard_input
+from tp_jax.cli.output import forget, plain, ready, replaced, write_json
+from tp_jax.errors import InputError
 
 tolerance = up_to(non_negative, LARGEST_ANGLE, "rad")
+
+FITS = "fits.json"
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "case-02"
 
@@ -27,6 +36,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         description=(
             "Diagnoses the gap between the model and a campaign of recordings; writes a report "
             "to be read and a diagnosis.json that `tp-jax predict` continues from."
+        ),
+        epilog=(
+            f"Until the command ends, DIR/{FITS} keeps the fits that are done, also of a command "
+            "that is killed; --resume goes on from there, to the same result."
         ),
     )
     add_campaign(parser, default="the example that comes with the package")
@@ -41,8 +54,13 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--tolerance", metavar="X", type=tolerance, default=0.0,
         help="rad rms; a gap below it matters to nobody (0)",
     )  # fmt: skip
+    parser.add_argument(
+        "--resume", action="store_true", help="go on from a diagnosis that was broken off"
+    )
     add_seed(parser)
     add_json(parser)
+    add_progress(parser)
+    add_parent(parser)
     add_common(parser)
     parser.set_defaults(run=run)
 
@@ -53,7 +71,26 @@ def default_folder(name: str) -> Path:
     return Path(f"{flat or 'campaign'}-diagnosis")
 
 
+@contextmanager
+def _kept(file: Path, *, resume: bool) -> Iterator[None]:
+    """Says how to go on from the file after Ctrl-C; takes it away where nothing leads on from it.
+
+    Without --resume an earlier leftover is not looked at; it is replaced once the work begins.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        there = f"; what is done is kept in {file}, and the same command with --resume goes on"
+        raise KeyboardInterrupt(f"Interrupted{there if file.is_file() else ''}.") from None
+    except InputError:
+        if not resume:
+            forget(file)
+        raise
+
+
 def run(args: argparse.Namespace) -> None:
+    if args.until_stdin_closes:
+        end_with_standard_input()
     campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
     report = folder / "report.html"
@@ -64,10 +101,12 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     enable_compilation_cache()
-    with shown(quiet=args.quiet) as progress:
+    kept = folder / FITS
+    with shown(quiet=args.quiet, form=args.progress) as progress, _kept(kept, resume=args.resume):
         diagnosis = tp.diagnose(
-            campaign, seed=args.seed, tolerance=args.tolerance, progress=progress
-        )
+            campaign, seed=args.seed, tolerance=args.tolerance, progress=progress,
+            checkpoint=kept, resume=args.resume,
+        )  # fmt: skip
         result = plain(diagnosis.to_dict())
         write_json(folder / "diagnosis.json", result)
 
@@ -75,7 +114,8 @@ def run(args: argparse.Namespace) -> None:
 
         progress("writing the report", None)
         with replaced(report) as part:
-            write_report(result, part, figures=args.figures)
+            write_report(result, part, figures=args.figures, day=date.today())
+    forget(kept)
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:

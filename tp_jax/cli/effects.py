@@ -51,6 +51,7 @@ def run(args: argparse.Namespace) -> None:
         "says": "What happens", "location": "Where", "formula": "Formula",
         "amplitudes": "Amplitudes", "shapes": "Shape constants", "needs": "Needs",
         "looks_like": "Looks like", "source": "Source", "remedy": "What to do",
+        "by_hand": "Check by hand",
     }  # fmt: skip
     print(args.id)
     for key, value in told(chosen[args.id]).items():
@@ -73,4 +74,5 @@ def told(effect: "Effect") -> dict[str, Any]:
         "looks_like": effect.looks_like,
         "source": effect.source,
         "remedy": effect.remedy,
+        "by_hand": effect.by_hand,
     }

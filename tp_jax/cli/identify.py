@@ -1,7 +1,6 @@
 """tp-jax identify: fits the model's parameters to a campaign from several starts."""
 
 import argparse
-import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +8,7 @@ from tp_jax.cli.arguments import (
     add_campaign,
     add_common,
     add_json,
+    add_progress,
     add_seed,
     bounded,
     check_parameters,
@@ -19,7 +19,7 @@ from tp_jax.cli.arguments import (
     starts,
 )
 from tp_jax.cli.diagnose import default_folder
-from tp_jax.cli.output import ready, write_json
+from tp_jax.cli.output import forget, ready, write_json
 
 if TYPE_CHECKING:
     from tp_jax.estimation.identification import Identification
@@ -106,6 +106,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument("--resume", action="store_true", help="go on from an interrupted search")
     add_seed(parser)
     add_json(parser)
+    add_progress(parser)
     add_common(parser)
     parser.set_defaults(run=run)
 
@@ -133,7 +134,7 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     enable_compilation_cache()
-    with shown(quiet=args.quiet) as progress:
+    with shown(quiet=args.quiet, form=args.progress) as progress:
         result = tp.identify(
             campaign,
             model=args.model,
@@ -148,7 +149,7 @@ def run(args: argparse.Namespace) -> None:
         write_json(args.json, result.to_dict())
     written = [] if args.out is None else _draw(result, folder)
     if args.out is None and "checkpoint" in options:
-        _forget(folder)
+        forget(folder / STARTS)
     if args.json != "-" and not args.quiet:
         print(result.summary())
         for path in written:
@@ -188,10 +189,3 @@ def _draw(result: "Identification", folder: Path) -> list[Path]:
             style.save(figure(result), part)
         written.append(path)
     return written
-
-
-def _forget(folder: Path) -> None:
-    """Takes away the finished search's file, and its folder where nothing else is in it."""
-    (folder / STARTS).unlink(missing_ok=True)
-    with contextlib.suppress(OSError):
-        folder.rmdir()

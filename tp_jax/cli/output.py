@@ -6,7 +6,7 @@ import sys
 import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -124,6 +124,13 @@ def shortened(target: str | Path) -> str:
     """A path as it can stand in a sentence."""
     text = str(target)
     return text if len(text) <= 120 else f"{text[:60]}...{text[-40:]}"
+
+
+def forget(file: Path) -> None:
+    """Takes away a file of work that is done, and its folder where nothing else is in it."""
+    file.unlink(missing_ok=True)
+    with suppress(OSError):
+        file.parent.rmdir()
 
 
 def write_text(target: str | Path, text: str) -> None:

@@ -8,6 +8,7 @@ from tp_jax.cli.arguments import (
     LARGEST_ANGLE,
     LONGEST_RUN,
     add_common,
+    add_parent,
     add_seed,
     angle,
     frequency_above_zero,
@@ -39,7 +40,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "serve",
         help="serve it on a pseudo-terminal",
         description="Serves the virtual rig on a pseudo-terminal, whose name it prints, until "
-        "interrupted.",
+        "interrupted. (The page in a browser is `tp-jax serve`.)",
     )
     add_rig(serve)
     serve.add_argument(
@@ -50,9 +51,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--omega", metavar="W", type=frequency_above_zero, help="drive of a text stream, rad/s"
     )
     run.add_argument("--release", metavar="X", type=angle, help="or angle let go from, rad")
-    serve.add_argument(
-        "--until-stdin-closes", action="store_true", help="end with the program that started it"
-    )
+    add_parent(serve)
     add_common(serve)
     serve.set_defaults(run=run_serve)
 

@@ -6,6 +6,7 @@ from tp_jax.cli.arguments import (
     add_campaign,
     add_common,
     add_json,
+    add_progress,
     add_seed,
     check_parameters,
     check_profiles,
@@ -70,6 +71,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument("--out", metavar="DIR", help="gets the figures as PNG")
     add_seed(parser)
     add_json(parser)
+    add_progress(parser)
     add_common(parser)
     parser.set_defaults(run=run)
 
@@ -108,7 +110,7 @@ def run(args: argparse.Namespace) -> None:
     enable_compilation_cache()
     chosen = {"spread": args.spread, "samples": args.samples}
     chosen = {name: value for name, value in chosen.items() if value is not None}
-    with shown(quiet=args.quiet) as progress:
+    with shown(quiet=args.quiet, form=args.progress) as progress:
         found = tp.sensitivity(
             campaign, model=args.model, fix=fix, profile=tuple(args.profile), seed=args.seed,
             progress=progress, **chosen,

@@ -103,7 +103,8 @@ class Effect:
         formula, source, looks_like: for people.
         says: what happens, as a clause behind "the cause:"; an effect of the catalogue has it in
             `tp_jax.report.words`, which a report needs without JAX.
-        remedy: what to look at or to do about it at the rig.
+        remedy: what to do about it at the rig. by_hand: how to see there by hand (weigh, time,
+            turn, swap) whether it is so. Both begin with a verb and end without a full stop.
     """
 
     id: ClassVar[str] = ""
@@ -123,6 +124,7 @@ class Effect:
     looks_like: ClassVar[str] = ""
     says: ClassVar[str] = ""
     remedy: ClassVar[str] = ""
+    by_hand: ClassVar[str] = ""
 
     def increment(self, m: Motion, **values: Any) -> Any:
         """What the effect adds to its quantity at one instant.

@@ -32,10 +32,8 @@ class BaseCompliance(Effect):
     formula = "psi'' = -2 zeta w psi' - w^2 psi - a (T_spring - M_L) / B1, v1' = ... - psi''"
     source = "Section 6 of the paper; a base of one mode"
     looks_like = "ripple of the column at a frequency of its own after every jerk"
-    remedy = (
-        "bolt the housing to something heavy and stiff; press on it while the column swings "
-        "and see whether phi1 changes"
-    )
+    remedy = "bolt the housing to something heavy and stiff"
+    by_hand = "press on the housing while the column swings, and see whether phi1 changes"
 
     def increment(self, m, a, W, zeta):  # type: ignore[override]
         """See the class."""

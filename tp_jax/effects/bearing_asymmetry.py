@@ -15,10 +15,8 @@ class BearingAsymmetry(Effect):
     formula = "M1 (S + a |S|)"
     source = "Armstrong-Helouvry et al. (1994), Automatica 30"
     looks_like = "a constant torque while the column moves"
-    remedy = (
-        "turn the column slowly by hand both ways and feel for a seal or burr that drags "
-        "one way; clean or replace the bearing"
-    )
+    remedy = "clean or replace the bearing, and take away the seal or burr that drags one way"
+    by_hand = "turn the column slowly both ways by hand, and feel in which sense it is harder"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -16,7 +16,11 @@ class BearingDrag(Effect):
     source = "air drag at higher speed"
     looks_like = "large swings decay faster than small ones"
     remedy = (
-        "look for large vanes or a damper on the column; shield it from air, or keep to low speeds"
+        "take large vanes or a damper off the column, shield it from air, or keep to low speeds"
+    )
+    by_hand = (
+        "let the column swing widely with and without a shield, and time how long each takes to "
+        "halve"
     )
 
     def increment(self, m, a):  # type: ignore[override]

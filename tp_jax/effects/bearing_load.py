@@ -22,6 +22,10 @@ class BearingLoad(Effect):
     remedy = (
         "relieve the bearing of side load: align the spring with the axis, or use a larger bearing"
     )
+    by_hand = (
+        "turn the column by hand with the spring off its hook and on it, and feel what the load "
+        "adds"
+    )
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -18,10 +18,8 @@ class BearingPosition(Effect):
     formula = "M1 S (1 + a cos n phi1 + b sin n phi1)"
     source = "Section 6 of the paper"
     looks_like = "an error tied to the column's angle, with the sign of its velocity"
-    remedy = (
-        "turn the column slowly once around and feel where it is stiff; clean the bearing "
-        "or remount it without strain"
-    )
+    remedy = "clean the bearing, or mount it anew without strain"
+    by_hand = "turn the column slowly once around, and feel at which angles it is stiff"
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""

@@ -24,7 +24,10 @@ class BearingPresliding(Effect):
     formula = "M1 ((1 - a) S + a z / z0), z' = v1 - |v1| z / z0"
     source = "Dahl (1968); Armstrong-Helouvry, Dupont, Canudas de Wit (1994)"
     looks_like = "reversals of the column that are rounded, and a column that rings when it stops"
-    remedy = "use a bearing with less grease or preload; record decays down to rest to see it again"
+    remedy = "use a bearing with less grease or preload"
+    by_hand = (
+        "push the column lightly from rest without making it slide, and see whether it springs back"
+    )
 
     def increment(self, m, a, z0):  # type: ignore[override]
         """See the class."""

@@ -16,7 +16,11 @@ class BearingStribeck(Effect):
     formula = "M1 S (1 + a exp(-(v1 / vs)^2))"
     source = "Stribeck (1902); Armstrong-Helouvry (1991)"
     looks_like = "an error around each reversal of the column"
-    remedy = "clean the bearing and change its grease; record slow motion and a decay again"
+    remedy = "clean the bearing and change its grease"
+    by_hand = (
+        "start the column from rest with a small weight on a thread, and see whether it runs on "
+        "with less"
+    )
 
     def increment(self, m, a, vs):  # type: ignore[override]
         """See the class."""

@@ -14,7 +14,8 @@ class BearingWarmup(Effect):
     formula = "(M1 S + c1 v1)(1 + a s)"
     source = "Section 6 of the paper"
     looks_like = "too much damping at first, too little later"
-    remedy = "let the rig run some minutes before recording; note the bearing's temperature"
+    remedy = "let the rig run some minutes before recording, and keep the bearing's temperature"
+    by_hand = "time the same decay with the rig cold and after half an hour of running"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -14,10 +14,8 @@ class ChannelDelay(Effect):
     formula = "y2(t) = phi2(t - a)"
     source = "two readings one after the other by one converter"
     looks_like = "an error in the shape of the rider's velocity"
-    remedy = (
-        "read both sensors at one instant, or give each its own time stamp; check the "
-        "filters of channel 2"
-    )
+    remedy = "read both sensors at one instant, or give each its own time stamp and the same filter"
+    by_hand = "fix the rider to the column, swing both, and compare when the two readings turn"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

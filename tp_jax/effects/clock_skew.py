@@ -14,7 +14,8 @@ class ClockSkew(Effect):
     formula = "recorded t = (1 + a) true t"
     source = "crystal oscillators, RC oscillators of small controllers"
     looks_like = "an error that grows with time in forced runs"
-    remedy = "time a long run with another clock, and correct the recorder's sample rate"
+    remedy = "correct the recorder's sample rate to what another clock says"
+    by_hand = "time a run of ten minutes with another clock, and compare with the last time stamp"
 
     def increment(self, m, a):  # type: ignore[override]  # noqa: ARG002
         """See the class."""

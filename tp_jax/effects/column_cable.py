@@ -22,6 +22,7 @@ class ColumnCable(Effect):
     source = "Dahl (1968) for the law; Foti, Martinelli (2016) for bent cables"
     looks_like = "a stiffer column in small swings, more damping in large ones"
     remedy = "hang the sensor's cable free along the axis, or use a thinner one"
+    by_hand = "time small swings with the cable on and taken off"
 
     def increment(self, m, a, z0):  # type: ignore[override]  # noqa: ARG002
         """See the class."""

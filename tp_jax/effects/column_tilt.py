@@ -17,10 +17,8 @@ class ColumnTilt(Effect):
     formula = "-(a sin phi1 + b cos phi1)"
     source = "Section 6 of the paper"
     looks_like = "a shifted rest position and a changed stiffness"
-    remedy = (
-        "set the column upright with a spirit level and balance it; turn the rig by half a "
-        "turn and record again"
-    )
+    remedy = "set the column upright with a spirit level, and balance it with a counterweight"
+    by_hand = "turn the whole rig by half a turn, and see whether the column rests at another angle"
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

@@ -16,10 +16,8 @@ class ContactAsymmetry(Effect):
     formula = "(Ts1 + Tst term)(S + a |S|)"
     source = "Armstrong-Helouvry et al. (1994), Automatica 30"
     looks_like = "the rider creeps round in one direction"
-    remedy = (
-        "slide the rider slowly by hand both ways; turn the contact parts round and see "
-        "whether the sense turns too"
-    )
+    remedy = "turn the contact's parts round or replace them, and set the rider square to its axis"
+    by_hand = "slide the rider slowly both ways with a spring balance, and compare the two forces"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -20,10 +20,8 @@ class ContactCogging(Effect):
     formula = "M_T + a sin n phi2 + b cos n phi2"
     source = "the magnets of the rider's angle sensor, Section 2 of the paper"
     looks_like = "the rider prefers some angles, also when it is stuck"
-    remedy = (
-        "take magnets and steel away from the rider; let it settle by hand and note the "
-        "angles it prefers"
-    )
+    remedy = "take magnets and steel away from the rider"
+    by_hand = "let the rider settle many times by hand, and note whether it prefers some angles"
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""

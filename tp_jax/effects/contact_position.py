@@ -20,10 +20,8 @@ class ContactPosition(Effect):
     formula = "(Ts1 S + Tst term)(1 + a cos n phi2 + b sin n phi2)"
     source = "Section 6 of the paper"
     looks_like = "the rider slides more easily at some angles"
-    remedy = (
-        "slide the rider slowly once around and look for marks; clean, level or lap the "
-        "contact's surfaces"
-    )
+    remedy = "clean, level or lap the contact's surfaces"
+    by_hand = "slide the rider slowly once around, and look for marks where it is hard to move"
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""

@@ -27,7 +27,8 @@ class ContactPresliding(Effect):
     formula = "(1 - a)(Ts1 S + Tst term) + a (Ts1 + |Tst term|) z / z0, z' = v2 - |v2| z / z0"
     source = "Dahl (1968); Armstrong-Helouvry, Dupont, Canudas de Wit (1994)"
     looks_like = "a stuck rider that still moves a little, and rings when it stops"
-    remedy = "use a stiffer or thinner contact pad; record small motions in which the rider sticks"
+    remedy = "use a stiffer or thinner contact pad"
+    by_hand = "push the stuck rider lightly, and see whether it springs back when let go"
 
     def increment(self, m, a, z0):  # type: ignore[override]
         """See the class."""

@@ -15,10 +15,8 @@ class ContactRepeatability(Effect):
     formula = "Ts1 (1 + a_r), sum of a_r = 0"
     source = "Section 6 of the paper"
     looks_like = "each recording alone fits well, all together do not"
-    remedy = (
-        "clean the contact before every run and set the same normal force; repeat one "
-        "setting several times"
-    )
+    remedy = "clean the contact before every run, and set the same normal force"
+    by_hand = "repeat one setting five times, and compare how far the rider slides"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

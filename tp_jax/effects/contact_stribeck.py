@@ -17,9 +17,10 @@ class ContactStribeck(Effect):
     formula = "(Ts1 S + Tst term)(1 + a exp(-(v2 / vs)^2))"
     source = "Stribeck (1902); Armstrong-Helouvry (1991)"
     looks_like = "the rider sticks longer, then slides further"
-    remedy = (
-        "clean or change the contact's surfaces; a pad of PTFE has less friction at rest; "
-        "record a decay and a run near 13 rad/s again"
+    remedy = "clean the contact's surfaces, or use a pad of PTFE, which has less friction at rest"
+    by_hand = (
+        "pull the rider slowly with a spring balance, and compare the force that starts it with "
+        "the one that keeps it moving"
     )
 
     def increment(self, m, a, vs):  # type: ignore[override]

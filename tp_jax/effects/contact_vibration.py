@@ -21,9 +21,8 @@ class ContactVibration(Effect):
     formula = "(Ts1 S + Tst term)(1 + a_r cos W t + b_r sin W t)"
     source = "Section 6 of the paper"
     looks_like = "ripple of the friction at a fixed frequency"
-    remedy = (
-        "balance the motor and decouple it from the column; feel the column for vertical vibration"
-    )
+    remedy = "balance the motor, and decouple it from the column"
+    by_hand = "feel the column for vertical vibration with the motor on and off"
 
     def increment(self, m, a, b, W):  # type: ignore[override]
         """See the class."""

@@ -15,10 +15,8 @@ class ContactWear(Effect):
     formula = "(Ts1 S + Tst term)(1 + a s)"
     source = "Section 6 of the paper"
     looks_like = "the rider slides less and less, or more and more"
-    remedy = (
-        "run the contact in before recording, and wipe off what it has worn; compare the "
-        "first and last run"
-    )
+    remedy = "run the contact in before recording, and wipe off what it has worn"
+    by_hand = "repeat the first run at the end of the day, and compare how far the rider slides"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

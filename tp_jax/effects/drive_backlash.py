@@ -40,10 +40,8 @@ class DriveBacklash(Effect):
     formula = "f = play of half width g of A sin theta"
     source = "Krasnosel'skii, Pokrovskii (1989) for the operator; couplings and cams have play"
     looks_like = "a drive that is late and stands still for a while wherever it turns"
-    remedy = (
-        "take the play out of the crank and its joints; turn the motor by hand to and fro "
-        "and watch the arm"
-    )
+    remedy = "take the play out of the crank and its joints"
+    by_hand = "turn the motor by hand to and fro, and see how far it turns before the arm moves"
 
     def increment(self, m, g):  # type: ignore[override]
         """See the class."""

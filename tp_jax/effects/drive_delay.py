@@ -29,6 +29,7 @@ class DriveDelay(Effect):
     source = "filters, converters and cameras that read drive and angles one after the other"
     looks_like = "an error in the shape of the drive's velocity"
     remedy = "record the drive with the same clock and filter as the angles"
+    by_hand = "knock against the arm, and compare when the drive and phi1 show it"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -15,9 +15,10 @@ class DriveFrequency(Effect):
     source = "stepper drives: missed pulses, wrong clock"
     looks_like = "an error that grows with time within each forced run"
     remedy = (
-        "count the motor's turns in a minute and write that omega; supply it with a steady "
-        "voltage, or control its speed"
+        "write the omega that was counted, supply the motor with a steady voltage, or control its"
+        " speed"
     )
+    by_hand = "count the motor's turns in a minute, and compare with the commanded frequency"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

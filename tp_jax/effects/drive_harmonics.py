@@ -19,6 +19,10 @@ class DriveHarmonics(Effect):
     source = "Section 6 of the paper"
     looks_like = "a second harmonic of the drive in both angles"
     remedy = "lengthen the connecting rod, or measure the arm's angle and give it as drive"
+    by_hand = (
+        "turn the motor by hand in steps of 30 degrees, note the arm's angle, and compare with a "
+        "sine"
+    )
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

@@ -19,10 +19,8 @@ class DriveSteps(Effect):
     formula = "theta + a (q round(theta / q) - theta)"
     source = "stepper motors, 1.8 degrees a step and fractions"
     looks_like = "ripple at the step rate"
-    remedy = (
-        "use microsteps or a belt between motor and crank; avoid frequencies at which steps "
-        "excite the column"
-    )
+    remedy = "use microsteps, or a belt between motor and crank"
+    by_hand = "run the motor slowly with the column held, and feel the arm for single steps"
 
     def increment(self, m, a, q):  # type: ignore[override]
         """See the class."""

@@ -24,9 +24,8 @@ class ElasticStop(Effect):
     formula = "-a (phi1 - s) for phi1 > s, -b (phi1 + s) for phi1 < -s"
     source = "elastic barriers: Nonlinear Dynamics (2020), doi 10.1007/s11071-020-05684-6"
     looks_like = "large swings that turn back too soon, and faster than small ones"
-    remedy = (
-        "turn the column by hand as far as it goes and look for what it touches; drive it less far"
-    )
+    remedy = "take away what the column touches, or drive it less far"
+    by_hand = "turn the column by hand as far as it goes, and look for what it runs against"
 
     def increment(self, m, a, b, s):  # type: ignore[override]
         """See the class."""

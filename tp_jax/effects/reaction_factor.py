@@ -15,6 +15,7 @@ class ReactionFactor(Effect):
     source = "the factor 2 of equation (16a)"
     looks_like = "inertias that do not agree with those given"
     remedy = "keep the factor at 1, which Newton's third law asks for; the paper prints 2"
+    by_hand = "weigh and measure both bodies, and compare their inertias with the fitted ones"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

@@ -17,10 +17,8 @@ class Sensor1Drift(Effect):
     formula = "y1 = phi1 (1 + a s) + b s"
     source = "temperature of the bridge amplifiers"
     looks_like = "readings that grow or wander with time, without a force"
-    remedy = (
-        "let the electronics warm up before recording; compare the reading at rest before "
-        "and after a run"
-    )
+    remedy = "let the electronics of sensor 1 warm up before recording"
+    by_hand = "compare the reading of sensor 1 at rest before and after a run"
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

@@ -19,9 +19,8 @@ class Sensor1Eccentricity(Effect):
     formula = "y1 = phi1 + a sin phi1 + b (cos phi1 - 1)"
     source = "one reading head on a disc or magnet off its axis: an error of one period a turn"
     looks_like = "readings too large on one side of the turn and too small on the other"
-    remedy = (
-        "centre the disc of sensor 1 on its axis; a second reading head opposite cancels the error"
-    )
+    remedy = "centre the disc of sensor 1 on its axis, or put a second reading head opposite"
+    by_hand = "turn the column by quarters of a turn against a protractor, and compare the readings"
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

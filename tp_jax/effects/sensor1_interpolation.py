@@ -24,6 +24,10 @@ class Sensor1Interpolation(Effect):
     )
     looks_like = "an error that repeats within the turn, whatever the speed"
     remedy = "trim offset, gain and phase of the two signals of sensor 1, as tp-jax calibrate does"
+    by_hand = (
+        "turn the column slowly, and see whether the two signals plotted over each other make a "
+        "circle"
+    )
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""

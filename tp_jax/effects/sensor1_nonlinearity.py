@@ -16,6 +16,7 @@ class Sensor1Nonlinearity(Effect):
     source = "Section 6 of the paper; HMC1512: bridge voltage goes with sin(2 theta)"
     looks_like = "large angles read too small"
     remedy = "calibrate sensor 1 against known angles, as tp-jax calibrate does"
+    by_hand = "turn the column to five known angles, and compare the readings with a straight line"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

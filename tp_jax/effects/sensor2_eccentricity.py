@@ -20,9 +20,8 @@ class Sensor2Eccentricity(Effect):
     formula = "y2 = phi2 + a sin phi2 + b (cos phi2 - 1)"
     source = "one reading head on a disc or magnet off its axis: an error of one period a turn"
     looks_like = "readings too large on one side of the turn and too small on the other"
-    remedy = (
-        "centre the disc of sensor 2 on its axis; a second reading head opposite cancels the error"
-    )
+    remedy = "centre the disc of sensor 2 on its axis, or put a second reading head opposite"
+    by_hand = "turn the rider by quarters of a turn against a protractor, and compare the readings"
 
     def increment(self, m, a, b):  # type: ignore[override]
         """See the class."""

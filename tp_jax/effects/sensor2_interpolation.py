@@ -25,6 +25,10 @@ class Sensor2Interpolation(Effect):
     )
     looks_like = "an error that repeats within the turn, whatever the speed"
     remedy = "trim offset, gain and phase of the two signals of sensor 2, as tp-jax calibrate does"
+    by_hand = (
+        "turn the rider slowly, and see whether the two signals plotted over each other make a "
+        "circle"
+    )
 
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""

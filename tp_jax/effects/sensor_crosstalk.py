@@ -15,9 +15,10 @@ class SensorCrosstalk(Effect):
     source = "two bridges near the same magnets"
     looks_like = "a stuck rider seems to move with the column"
     remedy = (
-        "hold the rider fast to the column and turn both: phi2 must stay; if it is measured "
-        'against the base, write minus = "phi1"'
+        'shield sensor 2 from the column, or write minus = "phi1" if it is measured against the '
+        "base"
     )
+    by_hand = "hold the rider fast to the column and turn both: phi2 must stay"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

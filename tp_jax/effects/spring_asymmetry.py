@@ -16,10 +16,8 @@ class SpringAsymmetry(Effect):
     formula = "k (d + a |d|)"
     source = "Section 6 of the paper"
     looks_like = "peaks of one sign larger than those of the other"
-    remedy = (
-        "twist the spring by equal weights both ways and note the angles; mount it without "
-        "slack, or use two opposed springs"
-    )
+    remedy = "mount the spring without slack, or use two opposed springs"
+    by_hand = "twist the spring by equal weights both ways, and compare the angles"
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""

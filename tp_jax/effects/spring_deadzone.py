@@ -16,9 +16,8 @@ class SpringDeadzone(Effect):
     formula = "k (d - clip(d, -g, g))"
     source = "a spring of three straight pieces, as couplings with clearance have"
     looks_like = "small swings that are slower than large ones, and no torque about the middle"
-    remedy = (
-        "tighten the spring in its hook; turn the column by hand about its rest and feel for play"
-    )
+    remedy = "tighten the spring in its hook"
+    by_hand = "turn the column by hand about its rest, and feel for play"
 
     def increment(self, m, g):  # type: ignore[override]
         """See the class."""

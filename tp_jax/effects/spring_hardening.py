@@ -14,8 +14,9 @@ class SpringHardening(Effect):
     formula = "k (d + a d^3)"
     source = "Section 6 of the paper"
     looks_like = "the natural frequency depends on the amplitude"
-    remedy = (
-        "measure torque against angle with weights; keep to small angles, or use a longer spring"
+    remedy = "keep to small angles, or use a longer spring"
+    by_hand = (
+        "hang growing weights on a thread round the column, and see whether torque over angle bends"
     )
 
     def increment(self, m, a):  # type: ignore[override]

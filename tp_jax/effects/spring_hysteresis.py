@@ -24,10 +24,8 @@ class SpringHysteresis(Effect):
     formula = "k (d + a z), z' = d' - |d'| z / z0"
     source = "Section 6 of the paper; Dahl (1968) for the law"
     looks_like = "damping that does not depend on speed, and acts even where the bearing is stuck"
-    remedy = (
-        "load and unload the spring with weights and compare; clamp its ends without "
-        "rubbing, or change its material"
-    )
+    remedy = "clamp the spring's ends without rubbing, or change its material"
+    by_hand = "load and unload the spring with the same weights, and compare the angles"
 
     def increment(self, m, a, z0):  # type: ignore[override]  # noqa: ARG002
         """See the class."""

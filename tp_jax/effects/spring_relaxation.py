@@ -14,9 +14,9 @@ class SpringRelaxation(Effect):
     formula = "k d (1 + a s)"
     source = "Section 6 of the paper"
     looks_like = "an error that changes sign in the middle of a recording"
-    remedy = (
-        "wind the spring for an hour before recording, and keep its temperature; compare "
-        "the first and last run"
+    remedy = "wind the spring for an hour before recording, and keep its temperature"
+    by_hand = (
+        "hang one weight on a thread round the column for an hour, and see whether the angle creeps"
     )
 
     def increment(self, m, a):  # type: ignore[override]

@@ -302,7 +302,8 @@ def grow(
     result: Fit | None = None
     for i, horizon in enumerate(horizons):
         if progress is not None:
-            progress(f"fitting windows of {horizon:.2g} s", i / len(horizons))
+            stage = f"fitting windows: {horizon:.2g} s, {i + 1} of {len(horizons)}"
+            progress(stage, i / len(horizons))
         problem = setting.problem(horizon, which)
         last = i + 1 == len(horizons)
         if not last:

@@ -1,25 +1,45 @@
-"""What a multi-start search has done so far, in a file that it can go on from."""
+"""What a long computation has done so far, in a file that it can go on from."""
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tp_jax._files import replaced
 from tp_jax.errors import InputError
-from tp_jax.schemas.starts import VERSION, read_starts
+from tp_jax.schemas import fits, starts
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a checkpoint is of.
+
+    Attributes:
+        version: in the file's "schema". read: of a path, the file's content, checked.
+        work: what goes on from it. pieces: what it holds.
+    """
+
+    version: str
+    read: Callable[[Path], dict[str, Any]]
+    work: str
+    pieces: str
+
+
+STARTS = Contents(starts.VERSION, starts.read_starts, "search", "starts")
+FITS = Contents(fits.VERSION, fits.read_fits, "diagnosis", "fits")
 
 
 class Checkpoint:
-    """Results of starts by name, kept in a file that is replaced as a whole.
+    """Results by name, kept in a file that is replaced as a whole.
 
-    The file belongs to one set of data and settings (`key`): a search with others must not go on
+    The file belongs to one set of data and settings (`key`): work with others must not go on
     from it.
     """
 
-    def __init__(self, path: Path, key: Mapping[str, Any]):
-        self.path = Path(path)
+    def __init__(self, path: Path, key: Mapping[str, Any], contents: Contents = STARTS):
+        self.path, self.contents = Path(path), contents
         self.key = json.loads(json.dumps(key))
         self.done: dict[str, Any] = {}
 
@@ -36,19 +56,19 @@ class Checkpoint:
         """
         if not self.path.is_file():
             raise InputError(f"There is nothing to resume at {self.path}; start without --resume.")
-        stored = read_starts(self.path)
+        stored = self.contents.read(self.path)
         if stored["sha256"] != self.digest:
             other = stored["key"]
             changed = [n for n in sorted({*self.key, *other}) if self.key.get(n) != other.get(n)]
             raise InputError(
-                f"Cannot resume from {self.path}, which is of another search (it differs in "
-                f"{', '.join(changed) or 'its contents'}); start without --resume, or with the "
-                "same data and settings."
+                f"Cannot resume from {self.path}, which is of another {self.contents.work} (it "
+                f"differs in {', '.join(changed) or 'its contents'}); start without --resume, or "
+                "with the same data and settings."
             )
-        if stored["done_sha256"] != digest_of(stored["done"]):
+        if stored.get("done_sha256") != digest_of(stored["done"]):
             raise InputError(
-                f"Cannot resume from {self.path}, whose starts were changed after they ended; "
-                "start without --resume."
+                f"Cannot resume from {self.path}, whose {self.contents.pieces} were changed after "
+                "they ended; start without --resume."
             )
         self.done = stored["done"]
         return len(self.done)
@@ -58,7 +78,7 @@ class Checkpoint:
         self.done.update(results)
         text = json.dumps(
             {
-                "schema": VERSION, "sha256": self.digest, "key": self.key,
+                "schema": self.contents.version, "sha256": self.digest, "key": self.key,
                 "done_sha256": digest_of(self.done), "done": self.done,
             }
         )  # fmt: skip

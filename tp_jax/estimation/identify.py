@@ -21,6 +21,7 @@ from tp_jax.estimation.identification import (
     start_warnings,
     warnings,
 )
+from tp_jax.estimation.intervals import correlations
 from tp_jax.estimation.ladder import Ladder, Objective
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.multistart import Trial, search
@@ -137,6 +138,7 @@ def identify(
         "method": methods.name_of(chosen),
         "objective_kind": aim,
         "parameters": parameter_table(entries, setting),
+        "correlation": correlations(fit, setting),
         "objective": trials[best].end.objective,
         "chi2_dof": fit.chi2_dof,
         "noise_floor": dict(setting.noise),

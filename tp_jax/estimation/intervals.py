@@ -44,6 +44,21 @@ def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
     return out, dof
 
 
+def correlations(fit: Fit, setting: Setting) -> dict[str, list]:
+    """Correlations of the errors of the campaign-wide unknowns that are off their bounds.
+
+    Returns:
+        names (q,) and matrix (q, q); see `covariance`.
+    """
+    cov, _ = covariance(fit, setting)
+    mine = [
+        i for i, u in enumerate(fit.unknowns) if u.recording is None and cov[i, i] > 0.0
+    ]  # fmt: skip
+    sd = np.sqrt(np.diag(cov)[mine])
+    matrix = np.clip(cov[np.ix_(mine, mine)] / np.outer(sd, sd), -1.0, 1.0)
+    return {"names": [fit.unknowns[i].name for i in mine], "matrix": matrix.tolist()}
+
+
 def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
     """Each campaign-wide unknown: value, unit, ci95, whether the data identify it.
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.elimination import Eliminated, eliminate
+from tp_jax.estimation.kept_fits import taken_or_done
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
 from tp_jax.estimation.problem import Problem
@@ -74,6 +75,7 @@ def parameter(problem: Problem, unknown: Unknown) -> Parameter:
     return problem.layout.parameters[problem.layout.index[unknown.name]].scaled(problem.B1)
 
 
+@taken_or_done
 def fit(
     problem: Problem,
     values: Values,

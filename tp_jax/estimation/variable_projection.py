@@ -16,6 +16,7 @@ import numpy as np
 
 from tp_jax.estimation.bounded_step import LONGEST_LOG, bounded_step
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.kept_fits import taken_or_done
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, Fit, parameter
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
@@ -37,6 +38,7 @@ NOTHING = 0.02  # of a mean square: a step that promises less is not taken
 SETTLED = 0.01  # of a mean square: a window's state that promises less is left where it is
 
 
+@taken_or_done
 def fit(
     problem: Problem,
     values: Values,

@@ -7,7 +7,7 @@ import numpy as np
 
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.intervals import correlations, intervals
 from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import tables
 from tp_jax.gap.acceptance import (
@@ -19,6 +19,7 @@ from tp_jax.gap.acceptance import (
     without_doubt,
     without_harm,
 )
+from tp_jax.gap.agreement import agreement
 from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import free_structure
@@ -100,6 +101,14 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
     where = [] if no_gap else locate(choice, setting, seed)
     said += elsewhere(where, final)
     labels = [r.label for r in setting.recordings]
+    named = tables.causes(
+        setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least,
+        doubts.unnamed,
+    )  # fmt: skip
+    if named:
+        id = named[0]["effect"]
+        agreed = agreement(id, setting, choice, begun, held.get(id))
+        named[0]["agreement"] = None if agreed is None else dataclasses.asdict(agreed)
     return {
         "schema": SCHEMA,
         "campaign": setting.campaign.name,
@@ -129,19 +138,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
             "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
         },
         "where": [dataclasses.asdict(s) for s in where],
-        "causes": tables.causes(
-            setting,
-            choice,
-            final,
-            begun,
-            shrinks,
-            total,
-            probabilities,
-            horizon,
-            seed,
-            least,
-            doubts.unnamed,
-        ),
+        "causes": named,
         "candidates": tables.candidates(setting, choice, probabilities, shrinks),
         "confused_with": tied(setting, choice, no_gap),
         "minimum_detectable": tables.detectable(choice),
@@ -153,6 +150,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
             else None,
         },
         "parameters": intervals(final.fit, setting),
+        "correlation": correlations(final.fit, setting),
         "next_experiment": tables.next_experiment(setting, choice, no_gap),
         "recordings": recordings(setting, start_before, start_after, bool(ids)),
         "curves": curves(setting, free_before, free_after if ids else None),

@@ -148,7 +148,7 @@ def choose(
             left = min((removable(r.fit) for r in refits.values()), default=np.inf)
             if i >= ALWAYS and left < enough:
                 break
-            progress(f"refitting with {s.id}", i / len(ranked))
+            progress(f"refitting: {s.id}, {i + 1} of {len(ranked)}", i / len(ranked))
             if current.ids or (i == 0 and s.variant.effect.n_states):
                 # The other effects are a burden that many fits would carry: beside what is in, all
                 # without states share a program, of four times the time; so do those with states.
@@ -170,7 +170,7 @@ def choose(
         confirmations: dict[str, Confirmation] = {}
         without: dict[tuple, LeftOut] = {}
         while taken is None and len(confirmations) < ALTERNATIVES:
-            progress(f"polishing {best}", None)
+            progress(f"polishing: {best}", None)
             polished = polish(setting, refits[best])
             if not polished.fit.converged:
                 polished = polish(setting, polished, FURTHER)
@@ -192,7 +192,7 @@ def choose(
                 max(removable(before), 0.0), keener,
             ):  # fmt: skip
                 break
-            progress(f"predicting without {best}", None)
+            progress(f"predicting left-out recordings: {best}", None)
             if polished.fit.converged:
                 confirmations[best] = _confirmed(setting, current, polished, without)
             else:  # where it would end nobody knows

@@ -3,6 +3,7 @@
 import dataclasses
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
 from tp_jax.gap.applicability import check_predictable
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.known_noise import choose_under_noise
@@ -54,6 +56,8 @@ def diagnose(
     seed: int = 0,
     tolerance: float = 0.0,
     progress: Callable[[str, float | None], None] | None = None,
+    checkpoint: str | Path | None = None,
+    resume: bool = False,
 ) -> Diagnosis:
     """Where the model falls short of a campaign, which effect is missing, and what it gains.
 
@@ -63,6 +67,12 @@ def diagnose(
         seed: of every random draw.
         tolerance: root mean square [rad] below which a gap matters to nobody.
         progress: called with a stage's name and the part of it that is done.
+        checkpoint: file in which finished fits are kept.
+        resume: go on from that file; the result is the one of a run that was not broken off.
+
+    Raises:
+        InputError: the model cannot be integrated through the recordings, a held-out one cannot
+            be predicted, or there is nothing to resume.
 
     Returns:
         A `Diagnosis`. The choice of causes uses the fitted recordings alone; the held-out ones
@@ -70,7 +80,27 @@ def diagnose(
     """
     begin = time.perf_counter()
     progress = progress or _silent
+    progress("preparing the recordings", None)
     campaign = hold_out(campaign)
+    kept = fits_checkpoint(
+        checkpoint, resume, campaign, {"model": model, "seed": seed, "tolerance": tolerance}
+    )
+    with keeping(kept):
+        result = _result(campaign, model, seed, tolerance, progress)
+    result["provenance"] = {
+        "version": __version__,
+        "seed": seed,
+        "data_sha256": campaign.data_sha256,
+        "wall_s": round(time.perf_counter() - begin, 2),
+    }
+    return Diagnosis(result)
+
+
+def _result(
+    campaign: Campaign, model: str, seed: int, tolerance: float,
+    progress: Callable[[str, float | None], None],
+) -> dict[str, Any]:  # fmt: skip
+    """The result without its provenance; the arguments are those of `diagnose`."""
     setting = prepare_campaign(campaign, model=model)
     check_predictable(setting)
     setting.problem(setting.horizons[0]).compile_ahead(frozenset())
@@ -82,11 +112,4 @@ def diagnose(
         )
     setting, choice = choose_under_noise(setting, baseline, seed, progress)
     progress("reading the held-out recordings", None)
-    result = assemble(setting, choice, seed, tolerance)
-    result["provenance"] = {
-        "version": __version__,
-        "seed": seed,
-        "data_sha256": campaign.data_sha256,
-        "wall_s": round(time.perf_counter() - begin, 2),
-    }
-    return Diagnosis(result)
+    return assemble(setting, choice, seed, tolerance)

@@ -24,7 +24,7 @@ def recordings(setting: Setting, before: dict, after: dict, explained: bool) -> 
             {
                 "label": r.label, "file": r.name, "sha256": r.sha256, "held_out": r.held_out,
                 "forced": r.forced, "omega": r.omega, "begin": float(r.t[0]),
-                "duration": r.duration, "samples": r.n, "start": start,
+                "duration": r.duration, "samples": r.n, "started": r.started, "start": start,
             }
         )  # fmt: skip
     return rows

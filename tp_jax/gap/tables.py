@@ -67,6 +67,8 @@ def causes(
                 "probability": probabilities.get(v.effect.id, 0.0),
                 "shrink": value,
                 "parameters": table[v.effect.id],
+                "remedy": v.effect.remedy,
+                "by_hand": v.effect.by_hand,
             }
         )  # fmt: skip
     return out

@@ -27,6 +27,7 @@ from tp_jax.recordings.formats import FileFormat, read_columns
 from tp_jax.recordings.recorded_run import spanned, within
 from tp_jax.recordings.recording import Recording
 from tp_jax.recordings.short import short
+from tp_jax.recordings.started import read_started
 
 
 @dataclass(frozen=True, eq=False)
@@ -342,6 +343,7 @@ def _recording(
         calibration_error={name: errors[name] for name in measured if name in errors},
         sources={name: each for name, each in columns.sources.items() if name in part},
         notes=columns.notes,
+        started=read_started(entry.file),
     )
 
 

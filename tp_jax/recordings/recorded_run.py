@@ -33,6 +33,7 @@ class RecordedRun:
     drift_over: tuple[float, float] | None = None
     sources: Mapping[str, ColumnSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    started: str | None = None
 
     def __repr__(self) -> str:
         drive = (

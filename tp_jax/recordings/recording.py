@@ -40,6 +40,7 @@ class Recording(RecordedRun):
             which that is not known are absent.
         sources: channel -> where in the file it came from, with its unit; empty without a file.
         notes: what was done to the rows when they were read, a sentence each, without its end.
+        started: when it was made, in ISO 8601; None where its metadata do not say.
     """
 
     @staticmethod

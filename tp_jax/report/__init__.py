@@ -9,10 +9,12 @@
     -> html                everything together in one file, `write_report`
     figure_files           the figures beside it as PNG and SVG
     trajectory             the figure of `tp-jax simulate --plot`
+    arviz_export           draws of fitted parameters for ArviZ, `to_arviz`
 
 All start from the plain dictionary of diagnosis.json: a report can be made again without JAX.
 """
 
+from tp_jax.report.arviz_export import to_arviz as to_arviz
 from tp_jax.report.html import write_report as write_report
 from tp_jax.report.terminal import show as show
 from tp_jax.report.text import summary as summary

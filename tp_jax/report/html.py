@@ -3,8 +3,9 @@
 import os
 import re
 from collections.abc import Mapping
+from datetime import date
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from tp_jax._files import replaced
 from tp_jax._version import __version__
@@ -14,10 +15,24 @@ from tp_jax.report.figures.curves import drawable
 
 TEMPLATE = "report.html.j2"
 
+FIRST_CANDIDATES = 6
+"""Rows of the candidates that are shown at once; the others are folded away."""
+
+LONG = 12
+"""Rows from which on a table is folded away: more than a screen of them hides what follows."""
+
+
+class Part(NamedTuple):
+    """A part of the page, as the contents list it; its section is named part-`id`."""
+
+    id: str
+    title: str
+
 
 def write_report(
-    diagnosis: Mapping[str, Any], path: str | os.PathLike[str], *, figures: bool = False
-) -> None:
+    diagnosis: Mapping[str, Any], path: str | os.PathLike[str], *, figures: bool = False,
+    day: date | None = None,
+) -> None:  # fmt: skip
     """Writes the report of a diagnosis as one HTML file, which holds its figures.
 
     A file that is there is replaced at once and whole.
@@ -27,12 +42,14 @@ def write_report(
         path: the file; its folder must exist.
         figures: whether to write them to `figures/` in the same folder too, as PNG and SVG. What
             lies there stays otherwise.
+        day: on which the diagnosis was made, for the head of the page; diagnosis.json, which is the
+            same whenever it is made, does not hold it.
 
     Raises:
         OSError: a file cannot be written.
     """
     drawn = pictures.pictures(diagnosis)
-    text = _page(diagnosis, drawn)
+    text = _page(diagnosis, drawn, day)
     target = Path(os.path.realpath(path))
     with replaced(target) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
@@ -40,12 +57,12 @@ def write_report(
         write_figures(drawn.every(), target.parent / FOLDER)
 
 
-def render(diagnosis: Mapping[str, Any]) -> str:
-    """The report as text."""
-    return _page(diagnosis, pictures.pictures(diagnosis))
+def render(diagnosis: Mapping[str, Any], *, day: date | None = None) -> str:
+    """The report as text; `day`: see `write_report`."""
+    return _page(diagnosis, pictures.pictures(diagnosis), day)
 
 
-def _page(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> str:
+def _page(diagnosis: Mapping[str, Any], drawn: pictures.Pictures, day: date | None) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -59,13 +76,16 @@ def _page(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> str:
     environment.filters["initial"] = words.capital
     environment.filters["together"] = _together
     environment.filters["drawn"] = Markup  # the figures' own markup, whose texts are escaped
-    return environment.get_template(TEMPLATE).render(context(diagnosis, drawn))
+    shown = context(diagnosis, drawn, day)
+    return environment.get_template(TEMPLATE).render(shown)
 
 
-def context(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> dict[str, Any]:
+def context(
+    diagnosis: Mapping[str, Any], drawn: pictures.Pictures, day: date | None = None
+) -> dict[str, Any]:
     """What the template shows: sentences, tables of text, figures."""
     provenance = reading.table(diagnosis, "provenance")
-    return {
+    shown = {
         "campaign": reading.text(diagnosis, "campaign") or "unnamed campaign",
         "model": reading.text(diagnosis, "model"),
         "kind": reading.verdict(diagnosis),
@@ -80,8 +100,12 @@ def context(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> dict[str,
         "too_sparse": _too_sparse(diagnosis, drawn),
         "places": tables.places(diagnosis),
         "causes": tables.causes(diagnosis),
-        "candidates": tables.candidates(diagnosis),
-        "inapplicable": reading.inapplicable(diagnosis),
+        "candidates": tables.first_rows(tables.candidates(diagnosis), FIRST_CANDIDATES),
+        "inapplicable": tables.inapplicable(diagnosis),
+        "long": LONG,
+        "dates": _dates(diagnosis, day),
+        "day": "" if day is None else day.isoformat(),
+        "scale": tables.scale_line(diagnosis),
         "groups": _groups(diagnosis),
         "groups_known": isinstance(diagnosis.get("confused_with"), list | tuple),
         "detectable": tables.detectable(diagnosis),
@@ -92,6 +116,34 @@ def context(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> dict[str,
         "data": run_tables.data(diagnosis),
         "provenance": tables.provenance(diagnosis),
     }
+    return {**shown, "contents": _contents(shown)}
+
+
+def _contents(shown: Mapping[str, Any]) -> list[Part]:
+    """The parts of the page that have something to show, in their order."""
+    drawn = shown["drawn_figures"]
+    parts = (
+        ("errors", "Before and after" if shown["causes"] else "On held-out data",
+         shown["gap"] or drawn.runs),
+        ("when", "When", drawn.windows),
+        ("where", "Where", shown["places"]),
+        ("effects", "Which effect", shown["causes"] or shown["candidates"][0]),
+        ("apart", "Not told apart", shown["groups"] or shown["groups_known"]),
+        ("detectable", "Detectable sizes", shown["detectable"]),
+        ("parameters", "Parameters", shown["parameters"]),
+        ("next", "Next experiment", shown["next"]),
+        ("notes", "Notes", shown["notes"]),
+        ("data", "Data", shown["data"] or shown["provenance"]),
+    )  # fmt: skip
+    return [Part(id, title) for id, title, there in parts if there]
+
+
+def _dates(diagnosis: Mapping[str, Any], day: date | None) -> list[str]:
+    """When the recordings were made, and the report of them."""
+    days = reading.recorded(diagnosis)
+    recorded = f"recorded {' to '.join(days)}" if days else ""
+    written = "" if day is None else f"report of {day.isoformat()}"
+    return [said for said in (recorded, written) if said]
 
 
 def _too_sparse(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> bool:

@@ -75,10 +75,20 @@ def judged(candidate: Mapping[str, Any]) -> bool:
     return any(value(candidate, key) is not None for key in keys) or bool(text(candidate, "note"))
 
 
-def inapplicable(diagnosis: Mapping[str, Any]) -> list[str]:
-    """Effects that do not apply to this campaign."""
-    named = rows(diagnosis, "candidates")
-    return [text(row, "effect") for row in named if row.get("applicable") is False]
+def inapplicable(diagnosis: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Candidates that do not apply to this campaign."""
+    named = [row for row in rows(diagnosis, "candidates") if text(row, "effect")]
+    return [row for row in named if row.get("applicable") is False]
+
+
+def recorded(diagnosis: Mapping[str, Any]) -> list[str]:
+    """First and last day on which its recordings were made, once where they are the same.
+
+    Empty where their metadata do not say.
+    """
+    days = [text(row, "started")[:10] for row in rows(diagnosis, "recordings")]
+    known = sorted(filter(None, days))
+    return list(dict.fromkeys([known[0], known[-1]])) if known else []
 
 
 def states(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:

@@ -82,6 +82,25 @@ def candidates(diagnosis: Mapping[str, Any]) -> Table | None:
     return made(tuple(said), list(zip(*said.values(), strict=True)), *right)
 
 
+def inapplicable(diagnosis: Mapping[str, Any]) -> Table | None:
+    """Candidates that do not apply to this campaign, and why."""
+    rows = [
+        (_effect(row), reading.text(row, "note").removeprefix("Does not apply: ") or MISSING)
+        for row in reading.inapplicable(diagnosis)
+    ]
+    return made(("Effect", "why it does not apply"), rows)
+
+
+def first_rows(of: Table | None, most: int) -> tuple[Table | None, Table | None]:
+    """A table's first rows, and the others in a table of their own; None where there are none.
+
+    One row more than that is no reason to part them.
+    """
+    if of is None or len(of.rows) <= most + 1:
+        return of, None
+    return of._replace(rows=of.rows[:most]), of._replace(rows=of.rows[most:])
+
+
 def places(diagnosis: Mapping[str, Any]) -> Table | None:
     """Where the gap lies, and when."""
     rows = [
@@ -133,6 +152,7 @@ def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
     rows = []
     for key, name in (("campaign", "campaign"), ("model", "model"), ("schema", "schema")):
         rows.append((name, reading.text(diagnosis, key)))
+    rows.append(("recorded", " to ".join(reading.recorded(diagnosis))))
     held_out = reading.texts(reading.table(diagnosis, "gap"), "held_out")
     rows.append(("held out, never fitted", ", ".join(held_out)))
     for key, entry in found.items():
@@ -142,6 +162,17 @@ def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
     for file, digest in reading.table(found, "data_sha256").items():
         rows.append((f"SHA-256 of {file}", str(digest)))
     return made(("What", "is"), [row for row in rows if row[1]])
+
+
+def scale_line(diagnosis: Mapping[str, Any]) -> str:
+    """Which inertia of the column fixes the scale, as a sentence; empty where it is not known."""
+    B1 = reading.value(diagnosis, "fits", "before", "parameters", "B1")
+    if B1 is None:
+        return ""
+    if B1 == 1.0:
+        return "No inertia B1 of the column was given, so torques and stiffness are per unit of B1."
+    size = f"{number(B1, 7)} {unit('kg m^2')}"
+    return f"The scale is fixed by the column's inertia as it was given: B1 = {size}."
 
 
 def shrink_line(diagnosis: Mapping[str, Any]) -> str:

@@ -46,7 +46,7 @@ def coloured(diagnosis: Mapping[str, Any]) -> "Text":
             one.stylize(_HEADINGS[reading.verdict(diagnosis)])
         elif line.startswith(_TABLE_HEADS):
             one.stylize("dim")
-        elif line.startswith(("Not told apart:", "Next:")):
+        elif line.startswith(("Not told apart:", "Next:", "What to do:")):
             one.stylize("bold", 0, line.index(":"))
         one.highlight_words(causes, "cyan")
         one.highlight_regex(_STRONG, "bold")

@@ -34,8 +34,9 @@ def _verdict(diagnosis: Mapping[str, Any]) -> list[str]:
     said = verdict.sentences(diagnosis)
     name = reading.text(diagnosis, "campaign")
     lines = [f"{name}: {said.heading}" if name else said.heading]
-    for sentence in (said.where, said.what, said.how_far):
+    for sentence in (said.where, said.what, f"{said.how_far} {said.agreement}".strip()):
         lines += textwrap.wrap(sentence, WIDTH)
+    lines += textwrap.wrap(f"What to do: {said.remedy}" if said.remedy else "", WIDTH)
     return lines
 
 

@@ -1,7 +1,7 @@
 """The verdict in three plain sentences: where the gap lies, what causes it, how far it shrinks."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from tp_jax.report import reading, words
@@ -37,6 +37,10 @@ class Verdict(NamedTuple):
         heading: the verdict in a few words.
         where, what, how_far: one sentence each.
         tied: what the causes cannot be told from; empty where there is nothing.
+        agreement: in how many recordings the first cause improves the fit; empty where that is not
+            known.
+        remedy: what to do about the causes at the rig, and how to check each by hand; empty where
+            nobody has said.
         error: how close the model comes to held-out data; empty where it is not known.
         left: whether what stays still has structure; empty where that is not known or not so.
     """
@@ -48,6 +52,8 @@ class Verdict(NamedTuple):
     tied: str = ""
     error: str = ""
     left: str = ""
+    agreement: str = ""
+    remedy: str = ""
 
 
 def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
@@ -80,6 +86,8 @@ def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
         tied=" ".join(filter(None, (_tied(diagnosis, cause) for cause in causes))),
         error=_error(diagnosis),
         left=_left(diagnosis) if causes else "",
+        agreement=_agreement(causes),
+        remedy=_remedy(causes),
     )
 
 
@@ -141,6 +149,31 @@ def _tied(diagnosis: Mapping[str, Any], cause: Mapping[str, Any]) -> str:
     if not others:
         return ""
     return f"This data cannot tell {effect} from {words.listed(others, 'or')}."
+
+
+def _agreement(causes: Sequence[Mapping[str, Any]]) -> str:
+    """In how many recordings the first cause improves the fit, and where it makes it worse."""
+    found = reading.table(causes[0], "agreement") if causes else {}
+    improved, of = reading.value(found, "improved"), reading.value(found, "of")
+    if improved is None or of is None or of < 2.0:
+        return ""
+    name = reading.text(causes[0], "effect") if len(causes) > 1 else "It"
+    worse = reading.texts(found, "worse")
+    rest = f", and makes it worse in {words.listed(worse)}" if worse else ""
+    return f"{name} improves the fit in {improved:.0f} of {of:.0f} recordings{rest}."
+
+
+def _remedy(causes: Sequence[Mapping[str, Any]]) -> str:
+    """What to do at the rig, and how to check by hand, a sentence each for every cause."""
+    said = []
+    for cause in causes:
+        remedy, by_hand = reading.text(cause, "remedy"), reading.text(cause, "by_hand")
+        name = f"For {reading.text(cause, 'effect')}: " if len(causes) > 1 else ""
+        if remedy:
+            said.append(f"{name}{remedy if name else words.capital(remedy)}.")
+        if by_hand:
+            said.append(f"To check it by hand: {by_hand}.")
+    return " ".join(said)
 
 
 def _how_far(diagnosis: Mapping[str, Any]) -> str:
