@@ -311,7 +311,7 @@ def grow(
         eps = setting.eps if last else float(ladder[i])
         values = values.replace({"eps1": eps, "eps2": eps})
         states = None if result is None else handed_on(result, problem)
-        how = dict(
+        how: dict[str, Any] = dict(
             bounds=setting.bounds, anchors=[a for a in setting.anchors() if a.unknown in unknowns],
             max_iterations=max_iterations, relative=1e-3 if i + 1 < len(horizons) else 1e-7,
         )  # fmt: skip
