@@ -85,7 +85,7 @@ FORBIDDEN = {
 # answer at once and load what a command needs when it runs.
 #: Not there on every machine: extras of the package, and what some systems lack.
 OPTIONAL = {
-    "openpyxl", "h5py", "pyarrow", "nptdms", "mcap", "mcap_ros2", "pandas",
+    "openpyxl", "h5py", "pyarrow", "nptdms", "mcap", "mcap_ros2", "pandas", "arviz", "arviz_base",
     "zstandard", "compression", "tty", "serial.tools.list_ports",
 }  # fmt: skip
 #: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
