@@ -147,8 +147,8 @@ def _beside() -> dict[str, tuple[Path, tuple[str, ...]]]:
 
 def _made(folder: Path, workers: int) -> dict[str, tuple[str, ...]]:
     """Names of the rigs and what is hidden in each; made where they are not there."""
-    from tp_jax.blind import make
-    from tp_jax.blind.seal import KEY
+    from trials import make
+    from trials.seal import KEY
 
     out = {}
     for kind, cases in RIGS.items():

@@ -91,10 +91,10 @@ def _rig(number: int, args: Any) -> dict[str, Any]:
     import numpy as np
 
     import tp_jax as tp
-    from tp_jax.blind.draw import draw_rig
     from tp_jax.estimation.baseline import prepare_campaign
     from tp_jax.identifiability.profile_likelihood import profiles
     from tp_jax.rig import make_campaign
+    from trials.draw import draw_rig
 
     runs, duration = (3, 4.0) if args.quick else (6, 10.0)
     rng = np.random.default_rng([args.seed, number])

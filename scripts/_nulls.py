@@ -162,9 +162,9 @@ def _campaign(kind: str, seed: int) -> Any:
     if kind != "rough":
         noise = {"two-rates": noisy.white}.get(kind) or getattr(noisy, kind)
         return noisy.campaign(noise, seed, RATES.get(kind, (250.0,) * 4))
-    from tp_jax.blind.case import make_case
-    from tp_jax.blind.plan import Case
-    from tp_jax.blind.rough import RoughSettings
+    from trials.case import make_case
+    from trials.plan import Case
+    from trials.rough import RoughSettings
 
     with tempfile.TemporaryDirectory() as folder:
         make_case(Path(folder), Case("case", "none", seed, ()), RoughSettings())

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 STEPS = re.findall(r"^\| \w+ \| `(\w+)` \| `([\w/.]+\.py)` \|", PAGE, re.MULTILINE)
-PATHS = sorted(set(re.findall(r"`((?:tp_jax|tests)/[\w/.]*)`", PAGE)))
+PATHS = sorted(set(re.findall(r"`((?:tp_jax|trials|tests)/[\w/.]*)`", PAGE)))
 
 
 def defined(file: Path) -> set[str]:

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parent.parent / "tp_jax"
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "tp_jax"
+TRIALS = ROOT / "trials"
 
 # Layer -> the layers it may import, besides itself and EVERYWHERE. The root, tp_jax itself, is
 # for the command line alone: its lazy names reach everywhere.
@@ -41,14 +43,6 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "identifiability",
     },
-    "validation": {
-        "model",
-        "effects",
-        "simulation",
-        "recordings",
-        "estimation",
-        "identifiability",
-    },
     "gap": {"model", "effects", "simulation", "recordings", "estimation", "identifiability"},
     # its simulator is to be independent of the model it puts to the test
     "rig": {"recordings", "acquisition"},
@@ -61,11 +55,14 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "gap",
     },
-    "blind": {"effects", "recordings", "estimation", "gap", "rig"},
+    "serve": {"recordings", "checks", "report"},
 }
 ALLOWED["cli"] = {"root", *ALLOWED}
 ALLOWED["__main__"] = {"cli"}
 ALLOWED["root"] = {*ALLOWED} - {"cli", "__main__"}
+# beside the package, in the repository alone
+ALLOWED["trials"] = {"effects", "recordings", "estimation", "gap", "rig"}
+BESIDE = {"trials", "scripts", "tests"}
 
 JAX = {"jax", "jaxlib", "jaxtyping", "equinox", "diffrax", "optimistix", "lineax"}
 FORBIDDEN = {
@@ -80,18 +77,37 @@ FORBIDDEN = {
     "schemas": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,
+    # a page that waits for a diagnosis in another process takes no memory for one
+    "serve": JAX,
 }
 
+# What may be imported inside a function, besides the package itself in `cli` and the root, which
+# answer at once and load what a command needs when it runs.
+#: Not there on every machine: extras of the package, and what some systems lack.
+OPTIONAL = {
+    "openpyxl", "h5py", "pyarrow", "nptdms", "mcap", "mcap_ros2", "pandas",
+    "zstandard", "compression", "tty", "serial.tools.list_ports",
+}  # fmt: skip
+#: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
+WITH_JAX = {"jax", "diffrax", "tp_jax.simulation.rodas4", "tp_jax.simulation.reversal_controller"}
+#: Slow to load, and of use to one step of a program only.
+SLOW = {"scipy", "matplotlib", "rich", "jinja2", "markupsafe", "SALib", "jsonschema"}
+
 DATA = {"examples"}
-MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in DATA)
+MODULES = [
+    *sorted(p for p in PACKAGE.rglob("*.py") if p.relative_to(PACKAGE).parts[0] not in DATA),
+    *sorted(TRIALS.rglob("*.py")),
+]
 
 
 def dotted(path: Path) -> list[str]:
-    parts = list(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+    parts = list(path.relative_to(ROOT).with_suffix("").parts)
     return parts[:-1] if parts[-1] == "__init__" else parts
 
 
 def layer(module: list[str]) -> str:
+    if module[0] == "trials":
+        return "trials"
     return module[1] if len(module) > 1 else "root"
 
 
@@ -112,11 +128,55 @@ def imported(path: Path, text: str) -> list[list[str]]:
     return found
 
 
+def inside_functions(path: Path, text: str) -> list[str]:
+    """What a file imports inside functions and may not."""
+    own = layer(dotted(path))
+    allowed = [*OPTIONAL, *WITH_JAX, *SLOW]
+    if own in ("cli", "root"):
+        allowed += ["tp_jax", "numpy"]
+    said = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            for module in imported(path, ast.unparse(node)):
+                name = ".".join(module)
+                if not any(name == each or name.startswith(f"{each}.") for each in allowed):
+                    said.append(f"{name} is imported in {node.name}(); import it at the top")
+    return said
+
+
+def circles(imports: dict[str, set[str]]) -> set[str]:
+    """The modules that import one another, or lie between those that do."""
+    left = {name: targets & set(imports) for name, targets in imports.items()}
+    while True:
+        wanted = set().union(*left.values())
+        ends = {name for name, targets in left.items() if not targets or name not in wanted}
+        if not ends:
+            return set(left)
+        left = {name: targets - ends for name, targets in left.items() if name not in ends}
+
+
+def modules_imported(path: Path, text: str, known: set[str]) -> set[str]:
+    """Names of the modules of the package and of trials that a file imports, anywhere in it."""
+    own, found = dotted(path), set()
+    package = own if path.name == "__init__.py" else own[:-1]
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            before = package[: len(package) - node.level + 1] if node.level else []
+            base = ".".join([*before, *filter(None, [node.module])])
+            names = {f"{base}.{alias.name}" for alias in node.names}
+            found |= (names & known) | ({base} if names - known else set())
+    return (found & known) - {".".join(own)}
+
+
 def faults(path: Path, text: str) -> list[str]:
     own = layer(dotted(path))
     said = []
     for module in imported(path, text):
-        if module[0] == "tp_jax":
+        if module[0] in BESIDE - {own}:
+            said.append(f"{own} must not import {'.'.join(module)}")
+        elif module[0] == "tp_jax":
             target = layer(module)
             if target not in {own, *EVERYWHERE, *ALLOWED[own]}:
                 said.append(f"{own} must not import {'.'.join(module)}")
@@ -144,6 +204,45 @@ def test_imports_only_what_lies_below(path):
     assert faults(path, path.read_text(encoding="utf-8")) == []
 
 
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: ".".join(dotted(path)))
+def test_imports_stand_at_the_top(path):
+    assert inside_functions(path, path.read_text(encoding="utf-8")) == []
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    names = {".".join(dotted(path)): path for path in MODULES}
+    imports = {
+        name: modules_imported(path, path.read_text(encoding="utf-8"), set(names))
+        for name, path in names.items()
+    }
+    assert sum(map(len, imports.values())) > 1000
+    assert circles(imports) == set()
+
+
+def test_a_circle_is_seen():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": set()}) == set()
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == {"b", "c"}
+    known = {"tp_jax.gap", "tp_jax.gap.a", "tp_jax.gap.b"}
+    for text in ("from tp_jax.gap import b", "from . import b", "def f():\n    from .b import x"):
+        assert modules_imported(PACKAGE / "gap" / "a.py", text, known) == {"tp_jax.gap.b"}
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "right"),
+    [
+        ("gap/a.py", "def f():\n    from tp_jax.gap import b", False),
+        ("gap/a.py", "class A:\n    def f(self):\n        import json", False),
+        ("recordings/a.py", "def f():\n    import numpy as np", False),
+        ("recordings/a.py", "def f():\n    from pandas import DataFrame", True),
+        ("cli/a.py", "def f():\n    import tp_jax as tp", True),
+        ("cli/a.py", "def f():\n    import json", False),
+        ("report/a.py", "def f():\n    import matplotlib.figure", True),
+    ],
+)
+def test_an_import_inside_a_function_is_seen(file, text, right):
+    assert (inside_functions(PACKAGE / file, text) == []) == right
+
+
 @pytest.mark.parametrize(
     ("file", "text"),
     [
@@ -156,10 +255,14 @@ def test_imports_only_what_lies_below(path):
         ("gap/a.py", "from ..report.html import write_report"),
         ("recordings/a.py", "import jax.numpy as jnp"),
         ("acquisition/a.py", "from diffrax import diffeqsolve"),
+        ("rig/a.py", "from trials.effects import base"),
+        ("cli/a.py", "def f():\n    import trials"),
+        ("../trials/a.py", "from tp_jax.cli import main"),
+        ("../trials/a.py", "from scripts import _blind"),
     ],
 )
 def test_a_wrong_import_is_seen(file, text):
-    assert len(faults(PACKAGE / file, text)) == 1
+    assert len(faults((PACKAGE / file).resolve(), text)) == 1
 
 
 @pytest.mark.parametrize(
@@ -170,10 +273,11 @@ def test_a_wrong_import_is_seen(file, text):
         ("effects/__init__.py", "from . import base"),
         ("cli/a.py", "import tp_jax as tp"),
         ("recordings/a.py", "import numpy as np"),
+        ("../trials/a.py", "from tp_jax.rig import VirtualRig\nfrom trials.effects import base"),
     ],
 )
 def test_a_right_import_is_let_through(file, text):
-    assert faults(PACKAGE / file, text) == []
+    assert faults((PACKAGE / file).resolve(), text) == []
 
 
 def loaded_after(statement: str) -> set[str]:
@@ -187,6 +291,12 @@ def loaded_after(statement: str) -> set[str]:
 
 def test_importing_the_package_loads_nothing_heavy():
     assert loaded_after("import tp_jax").isdisjoint({*JAX, "numpy", "scipy", "rich", "matplotlib"})
+
+
+def test_the_page_loads_nothing_heavy():
+    pytest.importorskip("starlette", reason="needs the extra `serve`: pip install '.[serve]'")
+    loaded = loaded_after("import tp_jax.serve.server")
+    assert loaded.isdisjoint({*JAX, "scipy", "matplotlib"})
 
 
 @pytest.mark.parametrize("name", ["recordings", "acquisition", "checks"])

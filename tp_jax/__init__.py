@@ -12,7 +12,7 @@ told to compute in 64 bits before any of its arrays exists.
 Data flows one way through the package:
 
     acquisition -> recordings -> estimation (over model, effects, simulation)
-                -> identifiability -> sensitivity_analysis, validation, gap -> report, cli
+                -> identifiability -> sensitivity_analysis, gap -> report, cli
 """
 
 from importlib import import_module

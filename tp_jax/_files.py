@@ -57,6 +57,26 @@ def replaced(target: str | os.PathLike[str]) -> Iterator[Path]:
         part.unlink(missing_ok=True)  # gone already where all went well
 
 
+@contextmanager
+def created(target: str | os.PathLike[str]) -> Iterator[Path]:
+    """A path to write to, as `replaced` gives it; what was written becomes a file of a new name.
+
+    Raises:
+        FileExistsError: something has the name, which stays as it was.
+        OSError: the file system refuses.
+    """
+    path = Path(target)
+    part = path.with_name(f".{path.stem[:40]}.{uuid.uuid4().hex}{path.suffix}")
+    try:
+        yield part
+        with part.open("rb") as stream:
+            os.fsync(stream.fileno())
+        path.open("xb").close()  # takes the name, or says that it is taken
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
 def plain(value: Any) -> Any:
     """The value in JSON's own types: arrays become lists, NaN and infinities null."""
     if value is None or isinstance(value, str | bool | int):

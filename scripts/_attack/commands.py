@@ -62,7 +62,7 @@ WORDS = (
 #: What would work for minutes, or on a port: module and name.
 WORK = (
     ("tp_jax", "identify"), ("tp_jax", "sensitivity"), ("tp_jax", "diagnose"),
-    ("tp_jax", "simulate"), ("tp_jax", "predict"), ("tp_jax.blind", "make"),
+    ("tp_jax", "simulate"), ("tp_jax", "predict"), ("trials", "make"),
     ("tp_jax.rig.serve", "serve_until_interrupted"), ("tp_jax.acquisition.recorder", "record"),
 )  # fmt: skip
 
@@ -118,11 +118,18 @@ def attack(tally: Tally, inputs: int, seed: int = 0) -> None:
 
 
 COMMANDS = {words[0] for words in VALID}
+TRIALS = {("blind", "make"), ("blind", "score")}
+"""Begin lines for scripts/blind; all others are for `tp-jax`."""
 
 
 def _carried_out(words: list[str]) -> None:
     """Runs it; InputError where it was refused as it should be."""
-    from tp_jax.cli import main
+    if tuple(words[:2]) in TRIALS:
+        from scripts._blind.__main__ import main
+
+        words = words[1:]
+    else:
+        from tp_jax.cli import main
 
     # as a terminal has them: what is no text is an error there
     out = io.TextIOWrapper(io.BytesIO(), encoding="utf-8", errors="strict")

@@ -122,20 +122,6 @@ def starts() -> dict:
     return {"key": key, "done": {"start 0": done, "end 0": failed}}
 
 
-def identification() -> dict:
-    """As `identify --json` writes it."""
-    value = {"value": 0.45, "unit": "N m/rad", "ci95": [0.44, 0.46], "identifiable": True}
-    start = {"objective": 12.0, "converged": True, "evaluations": 9, "message": "Done."}
-    return {
-        "schema": "tp-jax/identify/1", "campaign": "bench", "model": "newton",
-        "method": "least-squares", "parameters": {"k": value}, "objective": 12.0,
-        "chi2_dof": 1.0, "noise_floor": {"phi1": 1e-3}, "starts": [start],
-        "success": {"reached": 1, "of": 1, "ci95": [0.2, 1.0]},
-        "warnings": [{"code": "free_scale", "parameters": ["B1"], "text": "No."}],
-        "provenance": {"version": "0", "seed": 0},
-    }  # fmt: skip
-
-
 def part_of_key() -> dict:
     """What a sealed trial keeps of one case."""
     effect = {

@@ -155,7 +155,7 @@ def _trial(folder: Path, chance: random.Random) -> None:
     from unittest import mock
 
     from tp_jax._files import replaced
-    from tp_jax.blind import make as made
+    from trials import make as made
 
     def case_of(part: Path, case, _) -> dict:
         file = part / "sealed" / case.name / "key.json"
@@ -166,7 +166,7 @@ def _trial(folder: Path, chance: random.Random) -> None:
         return entry
 
     def whole(root: Path) -> str:
-        with mock.patch("tp_jax.blind.make.make_case", case_of):
+        with mock.patch("trials.make.make_case", case_of):
             return made(root, 5, 1)
 
     wanted = whole(folder / "unbroken")

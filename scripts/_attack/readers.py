@@ -50,7 +50,6 @@ def readers() -> dict[str, Attack]:
         "calibration readings": (spoiled(corpus.readings()), _readings),
         "diagnosis.json": (documents(small.diagnosis()), _diagnosis),
         "diagnosis.json as text": (spoiled(json.dumps(small.diagnosis()).encode()), _text),
-        "identify.json": (documents(corpus.identification()), _identification),
         "starts.json": (documents(corpus.starts()), _starts),
         "part of a key": (documents(corpus.part_of_key()), _part_of_key),
         "frames": (st.lists(spoiled(corpus.frames()), min_size=1, max_size=3), _frames),
@@ -130,12 +129,6 @@ def _diagnosis(content: Any, folder: Path) -> None:
 _text = _diagnosis
 
 
-def _identification(content: Any, folder: Path) -> None:
-    from tp_jax.schemas.identification import read_identification
-
-    read_identification(_put(folder, "identify.json", content))
-
-
 def _starts(content: Any, folder: Path) -> None:
     from tp_jax.estimation.checkpoint import Checkpoint, digest_of
     from tp_jax.estimation.outcome import Outcome
@@ -153,8 +146,8 @@ def _starts(content: Any, folder: Path) -> None:
 
 
 def _part_of_key(content: Any, folder: Path) -> None:
-    from tp_jax.schemas.blind import CASE
     from tp_jax.schemas.checking import check, read_json
+    from trials.schema import CASE
 
     check(read_json(_put(folder, "key.json", content)), CASE, "key.json")
 

@@ -60,6 +60,7 @@ class Diagnosed(NamedTuple):
 
 def campaigns(folder: Path) -> dict[str, Path]:
     """The example; decays alone; a measured drive; a rig whose effect is in no catalogue."""
+    import trials.effects  # noqa: F401 -- has bearing_rim
     from tp_jax.rig import make_campaign
 
     make_campaign(folder / "measured", effects={"spring_hardening": 0.2}, measured=True, seed=35)

@@ -21,13 +21,13 @@ def study(number: int, settings: Settings) -> dict[str, Any]:
         number: of the rig; with the settings' seed it decides everything random.
         settings: of the study.
     """
-    from tp_jax.blind.draw import draw_rig
     from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
     from tp_jax.estimation.intervals import intervals
     from tp_jax.estimation.sharpen import sharpened
     from tp_jax.identifiability.profile_likelihood import profiles
     from tp_jax.recordings import load_campaign
     from tp_jax.rig import make_campaign
+    from trials.draw import draw_rig
 
     begin = time.perf_counter()
     rng = np.random.default_rng([settings.seed, number])

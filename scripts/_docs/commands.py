@@ -39,8 +39,7 @@ EXAMPLES = {
         "tp-jax predict first/diagnosis.json --recording my-rig/run-13.csv --model before",
     ),
     "effects": ("tp-jax effects", "tp-jax effects contact_stribeck"),
-    "blind make": ("tp-jax blind make trial --cases 20 --seed 1",),
-    "blind score": ("tp-jax blind score trial --json score.json",),
+    "serve": ("tp-jax serve my-rig", "tp-jax serve --no-browser --port 8000"),
 }
 
 
@@ -61,5 +60,5 @@ def _commands(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentPars
     yield parser
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
-            for below in action.choices.values():
-                yield from _commands(below)
+            for listed in action._choices_actions:
+                yield from _commands(action.choices[listed.dest])

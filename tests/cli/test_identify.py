@@ -40,14 +40,11 @@ def asked(monkeypatch, tmp_path):
 def drawing(monkeypatch):
     """In the place of the figures, which need a result to draw."""
 
-    def figures():
-        def draw(result, folder):
-            (folder / "waterfall.png").write_bytes(b"")
-            return [folder / "waterfall.png"]
+    def draw(result, folder):
+        (folder / "waterfall.png").write_bytes(b"")
+        return [folder / "waterfall.png"]
 
-        return draw
-
-    monkeypatch.setattr(command, "_figures", figures)
+    monkeypatch.setattr(command, "_draw", draw)
 
 
 def test_the_usual_is_not_passed_on(asked):
@@ -105,15 +102,6 @@ def test_out_keeps_starts_and_figures(asked, monkeypatch, capsys):
     assert capsys.readouterr().out == f"a table\nWrote {Path('there/waterfall.png')}\n"
     assert main(["identify", "c", "--out", "there", "--starts", "2", "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out) == {"schema": "tp-jax/identify/1"}
-
-
-def test_out_without_matplotlib_is_told_before_the_work(asked, monkeypatch, capsys):
-    from tp_jax.report import style
-
-    monkeypatch.setattr(style, "available", lambda: False)
-    assert main(["identify", "c", "--out", "there"]) == 2
-    assert "tp-jax[plots]" in capsys.readouterr().err
-    assert asked == []
 
 
 def test_resume_asks_for_the_same_file(asked):

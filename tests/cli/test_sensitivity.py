@@ -12,7 +12,7 @@ import tp_jax
 from tp_jax.cli import main
 
 ROOT = Path(__file__).parent.parent.parent
-HEAVY = {"jax", "numpy", "scipy", "SALib", "pandas", "matplotlib", "statsmodels"}
+HEAVY = {"jax", "numpy", "scipy", "SALib", "pandas", "matplotlib"}
 
 
 @pytest.fixture

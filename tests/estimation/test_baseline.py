@@ -7,11 +7,11 @@ import pytest
 
 from tests.reference import BENCH
 from tests.rigs import lossy, synthetic_campaign
-from tp_jax.blind.draw import draw_rig
 from tp_jax.estimation import variable_projection
 from tp_jax.estimation.baseline import _slower, few_of, grow, initial_values, prepare_campaign
 from tp_jax.recordings import Campaign, Recording, load_campaign
 from tp_jax.rig import make_campaign
+from trials.draw import draw_rig
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,12 @@ import pytest
 import tp_jax as tp
 from tests.reference import BENCH
 from tests.rigs import synthetic_campaign
+from tests.schemas.identification import SCHEMA
 from tp_jax.cli.output import json_text
 from tp_jax.estimation import multistart
 from tp_jax.estimation.methods import METHODS, described
 from tp_jax.model.parameters import SHARPEST_EPS
 from tp_jax.schemas.checking import check
-from tp_jax.schemas.identification import SCHEMA
 
 FIX = {"T0": 4.0}  # three seconds do not tell it
 

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.model.energies import energy
 from tests.reference import BENCH, PAPER, SCALED
-from tp_jax.model import energy, presets
+from tp_jax.model import presets
 from tp_jax.simulation import simulate
 
 TS = np.linspace(0.0, 1.0, 251)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tp_jax.recordings import noise_floor, noise_level, noise_levels
+from tp_jax.recordings import noise_level, noise_levels
 
 T = 0.004 * np.arange(2500)
 SINE = 0.5 * np.sin(6.0 * np.pi * T)
@@ -93,28 +93,6 @@ def test_too_few_samples():
         noise_level(T[:3], SINE[:3])
 
 
-def test_floor_pools_and_withstands_one_bad_recording(recording):
-    def noisy(seed, sigma):
-        return SINE + sigma * np.random.default_rng(seed).standard_normal(T.size)
-
-    runs = [recording(t=T, phi1=noisy(i, 1e-3), phi2=noisy(9 + i, 2e-3)) for i in range(6)]
-    runs[0] = recording(t=T, phi1=noisy(0, 0.1), phi2=noisy(9, 2e-3))
-    assert noise_floor(runs) == pytest.approx({"phi1": 1e-3, "phi2": 2e-3}, rel=0.04)
-
-
-def test_a_channel_that_stood_still_says_nothing_of_its_noise(recording):
-    """A coarse reading of a rider that stuck, in most recordings."""
-    noisy = SINE + 2e-3 * np.random.default_rng(3).standard_normal(T.size)
-    still = np.zeros(T.size)
-    runs = [recording(t=T, phi1=noisy, phi2=y) for y in (still, still, noisy)]
-    assert noise_floor(runs)["phi2"] == pytest.approx(2e-3, rel=0.1)
-    assert noise_floor(runs[:2])["phi2"] == 0.0
-
-
-def test_floor_of_a_single_pendulum(recording):
-    assert list(noise_floor([recording(phi2=None)])) == ["phi1"]
-
-
 def noisy(seed, sigma, step=1):
     """Readings at every `step`-th time."""
     e = np.random.default_rng(seed).standard_normal(T.size)
@@ -132,6 +110,14 @@ def test_recordings_of_one_kind_share_a_level(recording):
     assert np.ptp(found[:, 0]) == 0.0
     assert found[0, 0] == pytest.approx(1e-3, rel=0.03)
     assert (found[:, 1] == 0.0).all()  # there is no rider
+
+
+def test_a_channel_that_stood_still_says_nothing_of_its_noise(recording):
+    """A coarse reading of a rider that stuck, in most recordings."""
+    still, moving = np.zeros(T.size), noisy(3, 2e-3)[1]
+    made = [recording(t=T, phi1=moving, phi2=y) for y in (still, still, moving)]
+    np.testing.assert_allclose(noise_levels(made)[:, 1], 2e-3, rtol=0.1)
+    assert (noise_levels(made[:2])[:, 1] == 0.0).all()
 
 
 def test_a_recording_of_clearly_another_level_has_its_own(recording):

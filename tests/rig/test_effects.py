@@ -1,24 +1,34 @@
 """Every effect that can be hidden: nothing at zero, its own channel, the catalogue's formula."""
 
-import functools
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 from tests.reference import BENCH as NUMBERS
 from tests.reference import FORMULAS, readings, reference
+from tests.rig.any_effect import (
+    OMEGA,
+    TS,
+    UNSEEN,
+    any_two_effects_on_any_rig,
+    demands,
+    readings_of,
+    rms,
+    without,
+)
 from tests.rig.dahl import EFFECTS as WITH_STATES
 from tests.rig.dahl import smoothed
-from tp_jax.effects import CHANNELS
 from tp_jax.effects import catalogue as model_catalogue
 from tp_jax.errors import InputError
-from tp_jax.rig import BENCH, VirtualRig
-from tp_jax.rig.effects import Effect, catalogue
+from tp_jax.rig import VirtualRig
+from tp_jax.rig.effects import Effect, catalogue, registry
 
-TS = np.arange(501) / 250.0
-OMEGA = 17.0
-ALL = catalogue()
-every_effect = pytest.mark.parametrize("id", list(ALL))
+#: Without those that trials register.
+ALL = {id: effect for id, effect in catalogue().items() if effect.in_catalogue}
 
 #: The catalogue's ids, which are fixed: results and checks use them.
 IDS = {
@@ -42,37 +52,14 @@ SIZES = {
     "drive_backlash": {"g": 0.01},
 }  # fmt: skip
 
-#: What no reading of an angle shows: tests/effects/test_drive_delay.py
-UNSEEN = {"drive_delay"}
+
+def test_the_whole_catalogue_can_be_hidden():
+    assert set(ALL) == IDS
 
 
-@functools.cache
-def without(omega: float | None = OMEGA) -> np.ndarray:
-    return readings_of(VirtualRig(), omega)
-
-
-def readings_of(rig: VirtualRig, omega: float | None = OMEGA, **given) -> np.ndarray:
-    kind = {"release": 0.6} if omega is None else {"omega": omega}
-    return rig.run(TS, **kind, **given)
-
-
-def drawn(effect: Effect, seed: int = 0, scale: float = 1.0) -> VirtualRig:
-    """The bench with an effect of a size it might have, times `scale`."""
-    draw = effect.draw(np.random.default_rng(seed))
-    sizes = tuple(scale * size for size in draw.sizes)
-    return VirtualRig(effects={effect.id: sizes}, shapes=draw.shapes, seed=seed)
-
-
-def rms(a) -> np.ndarray:
-    return np.sqrt(np.mean(a**2, axis=0))
-
-
-def test_the_whole_catalogue_can_be_hidden_and_more():
-    inside = {id for id, effect in ALL.items() if effect.in_catalogue}
-    assert inside == IDS
-    outside = [effect for effect in ALL.values() if not effect.in_catalogue]
-    assert len(outside) >= 8
-    assert {effect.channel for effect in outside} == set(CHANNELS.values())
+@pytest.mark.parametrize(("demand", "id"), demands(ALL))
+def test_every_effect(demand, id):
+    demand(id)
 
 
 @pytest.mark.parametrize("id", sorted(IDS & set(model_catalogue())))
@@ -83,89 +70,6 @@ def test_places_and_units_are_those_of_the_model(id):
     units = tuple(a.unit for a in there.amplitudes)
     assert here.unit == units
     assert set(here.shapes) == {s.name for s in there.shapes}
-
-
-@every_effect
-def test_says_what_it_is(id):
-    effect = ALL[id]
-    assert effect.id == id
-    assert effect.formula
-    assert effect.__doc__
-    assert len(effect.unit) == len(effect.amplitudes)
-    assert CHANNELS[effect.location] == effect.channel
-    draw = effect.draw(np.random.default_rng(0))
-    assert len(draw.sizes) == len(effect.amplitudes)
-    assert all(np.isfinite(draw.sizes))
-    assert any(draw.sizes)
-    assert set(draw.shapes) <= {f"{id}.{name}" for name in effect.shapes}
-
-
-@every_effect
-def test_size_zero_changes_nothing(id):
-    np.testing.assert_array_equal(readings_of(drawn(ALL[id], scale=0.0)), without())
-
-
-# switched on at all, the effect's code runs; what it adds is next to nothing. A step of the motor
-# is not small, and a filter of no time constant, or a base of infinite inertia, is stiff.
-@pytest.mark.parametrize("id", [id for id in ALL if id not in ("sensor2_lag", "base_compliance")])
-def test_next_to_no_size_changes_next_to_nothing(id):
-    y = readings_of(drawn(ALL[id], scale=1e-9))
-    np.testing.assert_allclose(y, without(), rtol=0.0, atol=1e-7)
-
-
-@every_effect
-def test_acts_through_its_channel(id):
-    effect = ALL[id]
-    rig, bare, still = drawn(effect), VirtualRig(), drawn(effect)
-    ts = TS[:251].tolist()
-    for each in (rig, bare, still):
-        each.start(omega=OMEGA, duration=1.0)
-    stamps = [rig.true_time(t) for t in ts]
-    read = np.array([rig.advance(t) for t in stamps])
-    moved, rest = (np.array([each.motion(t) for t in ts]) for each in (still, bare))
-    if effect.channel in ("column", "contact"):
-        # bodies move otherwise, sensors report what is; the clock is right
-        assert rms(moved - rest)[:2].max() > 1e-5
-        np.testing.assert_array_equal(read, moved[:, :2])
-        assert stamps == ts
-        return
-    np.testing.assert_allclose(moved, rest, rtol=0.0, atol=1e-8)
-    changed = rms(read - rest[:, :2])
-    if id in UNSEEN:
-        assert not changed.any()
-        return
-    if effect.channel == "clock":
-        assert changed[1] > 1e-4
-        assert id == "channel_delay" or changed[0] > 1e-4
-        return
-    own = int(effect.channel == "sensor2")
-    assert changed[own] > 1e-3
-    assert changed[1 - own] < 1e-8
-    assert stamps == ts
-
-
-@every_effect
-def test_is_the_same_again_with_the_same_seed(id):
-    ts = TS[:151]
-    one, two, other = drawn(ALL[id]), drawn(ALL[id]), drawn(ALL[id], seed=1)
-    first = one.run(ts, omega=OMEGA)
-    np.testing.assert_array_equal(first, two.run(ts, omega=OMEGA))
-    assert not np.array_equal(first, other.run(ts, omega=OMEGA)) or id in UNSEEN | {"drive_steps"}
-    # and so is the second run, which chance may make another
-    np.testing.assert_array_equal(one.run(ts, omega=OMEGA), two.run(ts, omega=OMEGA))
-
-
-@every_effect
-def test_takes_its_time_but_ends(id):
-    # decays too, and rigs of other sizes
-    rng = np.random.default_rng(7)
-    p = BENCH.scaled(rng, 0.5)
-    draw = ALL[id].draw(rng, p)
-    for omega in (None, p.natural_frequency):
-        rig = VirtualRig(p, {id: draw.sizes}, shapes=draw.shapes)
-        assert np.isfinite(readings_of(rig, omega)).all()
-        assert rig.switches < 250
-        assert rig.steps < 10_000
 
 
 def sizes_of(id: str) -> tuple[dict[str, float], dict[str, float]]:
@@ -259,19 +163,7 @@ def test_two_effects_at_once():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_any_two_effects_on_any_rig(seed):
-    rng = np.random.default_rng(seed)
-    p = BENCH.scaled(rng, 0.5)
-    pair = rng.choice(list(ALL), 2, replace=False)
-    draws = {id: ALL[id].draw(rng, p) for id in pair.tolist()}
-    rig = VirtualRig(
-        p,
-        {id: draw.sizes for id, draw in draws.items()},
-        seed=seed,
-        shapes={name: value for draw in draws.values() for name, value in draw.shapes.items()},
-    )
-    y = rig.run(TS[:251], omega=p.natural_frequency)
-    assert np.isfinite(y).all()
-    assert rig.switches < 150
+    any_two_effects_on_any_rig(ALL, seed)
 
 
 @pytest.mark.parametrize(
@@ -288,3 +180,40 @@ def test_what_cannot_be_hidden_is_said(given, says):
     with pytest.raises(InputError, match=says) as fault:
         VirtualRig(**given)
     assert "\n" not in str(fault.value)
+
+
+def test_registers_effects_of_others(monkeypatch):
+    class Magnet(Effect):
+        """A pull."""
+
+        id = "own_magnet"
+        channel, location = "column", "column"
+
+        def install(self, run, a):
+            run.hooks.column.append(lambda m: -a * m.phi1)
+
+    class Taken(Effect):
+        """Another effect by the same name."""
+
+        id = "own_magnet"
+
+    monkeypatch.setattr(registry, "_registered", dict(registry._registered))
+    family, other = ModuleType("family"), ModuleType("other")
+    family.Magnet, other.Taken = Magnet, Taken
+    registry.register(family)
+    registry.register(family)
+    assert list(catalogue()) == sorted(catalogue())
+    assert catalogue()["own_magnet"].location == "column"
+    rig = VirtualRig(effects={"own_magnet": 0.05})
+    assert rms(readings_of(rig) - without()).max() > 1e-4
+    with pytest.raises(ValueError, match="'own_magnet' already"):
+        registry.register(other)
+
+
+def test_the_package_does_without_effects_of_others():
+    code = (
+        "import sys; from tp_jax.rig.effects import catalogue\n"
+        "assert all(effect.in_catalogue for effect in catalogue().values())\n"
+        "assert 'trials' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[2])

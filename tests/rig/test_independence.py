@@ -9,10 +9,11 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 RIG = ROOT / "tp_jax" / "rig"
+HIDDEN = ROOT / "trials" / "effects"
 #: Speaking the wire's language is another matter than moving like a pendulum.
 WIRE = {"emulator.py", "serve.py"}
-FILES = sorted(f for f in RIG.rglob("*.py") if f.name not in WIRE)
-MAY = {"tp_jax.errors", "tp_jax.recordings", "tp_jax.rig", "numpy", "scipy"}
+FILES = sorted(f for d in (RIG, HIDDEN) for f in d.rglob("*.py") if f.name not in WIRE)
+MAY = {"tp_jax.errors", "tp_jax.recordings", "tp_jax.rig", "trials.effects", "numpy", "scipy"}
 
 
 def imported(file: Path) -> set[str]:
@@ -26,10 +27,10 @@ def imported(file: Path) -> set[str]:
     return names
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(RIG)))
+@pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(ROOT)))
 def test_imports(file):
     for name in imported(file):
-        own = ".".join(name.split(".")[: 2 if name.startswith("tp_jax") else 1])
+        own = ".".join(name.split(".")[: 2 if name.startswith(("tp_jax", "trials")) else 1])
         assert own in MAY or own in sys.stdlib_module_names, name
 
 

@@ -1,11 +1,14 @@
-"""A campaign.toml for a folder of files of unknown make, to be corrected by the user."""
+"""A campaign.toml for a folder of files of unknown make, to be corrected by the user.
+
+data_files -> survey of each -> alike -> written      with what the user answered, if anything
+"""
 
 import json
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -32,6 +35,39 @@ _DECAYS = ("decay", "free", "frei", "ausschwing", "abkling", "release")
 """Words in the name of a file that speak of a decay."""
 
 
+Kind = Literal["commanded", "measured", "decay"]
+
+
+@dataclass(frozen=True)
+class Driven:
+    """How a recording was driven.
+
+    Attributes:
+        kind: at a commanded frequency, by a drive that the file holds, or not at all.
+        omega: the commanded frequency [rad/s]; None for the other kinds.
+    """
+
+    kind: Kind
+    omega: float | None = None
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a user says of a campaign whose files do not tell it.
+
+    Attributes:
+        B1: moment of inertia of the column [kg m^2]; None: not known.
+        driven: name of a file -> how it was driven; of others it is guessed.
+        unused: names of files to be left out.
+        remark: a comment for the head of the campaign.toml, without its sign.
+    """
+
+    B1: float | None = None
+    driven: Mapping[str, Driven] = field(default_factory=dict)
+    unused: frozenset[str] = frozenset()
+    remark: str = ""
+
+
 def propose(folder: Path) -> tuple[str, list[str]]:
     """The text of a campaign.toml for the data files of a folder.
 
@@ -47,9 +83,7 @@ def propose(folder: Path) -> tuple[str, list[str]]:
     found: list[tuple[Path, Survey]] = []
     left_out: list[str] = []
     first_fault: CampaignError | None = None
-    for file in sorted(folder.iterdir()):
-        if not file.is_file() or file.name.startswith(".") or file.suffix.lower() in NOT_DATA:
-            continue
+    for file in data_files(folder):
         try:
             found.append((file, survey(file)))
         except CampaignError as fault:
@@ -63,17 +97,56 @@ def propose(folder: Path) -> tuple[str, list[str]]:
             str(first_fault).rstrip(".?") if first_fault else "there is no data file in it",
             "put the recordings there, a file for each run",
         )
-    first = found[0][1]
-    same = [pair for pair in found if _alike(pair[1], first)]
-    for file, _ in found:
-        if file not in [each for each, _ in same]:
-            left_out.append(
-                f"Left out: {file}: its columns differ from those of {found[0][0].name}; give it a "
-                "folder and a campaign.toml of its own."
-            )
-    surveys = [seen for _, seen in same]
-    told = [*left_out, *(f"{note}." for seen in surveys for note in seen.notes)]
-    return "\n".join([*_head(folder, surveys), *_entries(same)]) + "\n", told
+    same, others = alike(found)
+    left_out += [f"Left out: {sentence}" for sentence in others.values()]
+    told = [*left_out, *(f"{note}." for _, seen in same for note in seen.notes)]
+    return written(folder, same), told
+
+
+def data_files(folder: Path) -> list[Path]:
+    """The files of a folder that may be recordings, by name."""
+    return [file for file in sorted(folder.iterdir()) if file.is_file() and may_be_data(file.name)]
+
+
+def may_be_data(name: str) -> bool:
+    """Whether a file of this name may be a recording."""
+    return not name.startswith(".") and Path(name).suffix.lower() not in NOT_DATA
+
+
+def alike(
+    found: Sequence[tuple[Path, Survey]],
+) -> tuple[list[tuple[Path, Survey]], dict[Path, str]]:
+    """The files whose columns are those of the first one, and of the others a sentence each."""
+    first, seen = found[0]
+    same = [pair for pair in found if _alike(pair[1], seen)]
+    others = {
+        file: f"{file}: its columns differ from those of {first.name}; give it a folder and a "
+        "campaign.toml of its own."
+        for file, other in found
+        if not _alike(other, seen)
+    }
+    return same, others
+
+
+def written(
+    folder: Path, found: Sequence[tuple[Path, Survey]], answers: Answers | None = None
+) -> str:
+    """The text of a campaign.toml.
+
+    Args:
+        folder: that it is for.
+        found: its files, all alike, each with its survey.
+        answers: of the user; None: all is guessed.
+    """
+    answers = answers or Answers()
+    used = [(file, seen) for file, seen in found if file.name not in answers.unused]
+    head = _head(folder, [seen for _, seen in used or found], answers)
+    return "\n".join([*head, *_entries(used, answers.driven)]) + "\n"
+
+
+def guessed(file: Path, seen: Survey) -> Driven:
+    """How a recording seems to have been driven."""
+    return _guess(file, seen)[0]
 
 
 def _alike(one: Survey, other: Survey) -> bool:
@@ -81,16 +154,18 @@ def _alike(one: Survey, other: Survey) -> bool:
     return places[0] == places[1] and one.delimiter == other.delimiter
 
 
-def _head(folder: Path, surveys: Sequence[Survey]) -> list[str]:
+def _head(folder: Path, surveys: Sequence[Survey], answers: Answers) -> list[str]:
     first = surveys[0]
     name = json.dumps(folder.resolve().name or "campaign", ensure_ascii=False)
+    B1 = "# B1 = 1.2e-3" if answers.B1 is None else f"B1 = {answers.B1!r}"
     lines = [
+        *([f"# {answers.remark}"] if answers.remark else []),
         f"name = {name}",
         "",
         "# What follows was found in the files. Correct what is wrong, then run tp-jax check.",
         "",
         "[rig]",
-        "# B1 = 1.2e-3  # kg m^2, inertia of the column, from CAD; fixes the scale of torques",
+        f"{B1}  # kg m^2, inertia of the column, from CAD; fixes the scale of torques",
     ]
     if "phi2" not in first.sources:
         lines.append('model = "single"  # no second angle was found')
@@ -114,27 +189,43 @@ def _head(folder: Path, surveys: Sequence[Survey]) -> list[str]:
     return lines
 
 
-def _entries(found: Sequence[tuple[Path, Survey]]) -> list[str]:
+def _entries(found: Sequence[tuple[Path, Survey]], answered: Mapping[str, Driven]) -> list[str]:
     lines = []
     for file, seen in found:
         lines += ["", "[[recording]]", f"file = {json.dumps(file.name, ensure_ascii=False)}"]
-        moves = _motion(seen)
-        decay = any(word in file.name.lower() for word in _DECAYS)
-        if moves is None and not decay:
-            lines.append(
-                "forced = false  # its rows do not tell; write forced = true and its omega if the "
-                "motor ran"
-            )
-        elif decay or moves is None or moves.lasts < STEADY:
-            keeps = "" if moves is None else f"  # it keeps {moves.lasts:.0%} of its swing: a free "
-            lines.append(f"forced = false{keeps and keeps + 'decay?'}")
+        driven, why = _guess(file, seen)
+        answer = answered.get(file.name, driven)
+        # the reason of a guess is none for another answer
+        remark = f"  # {why}" if why and _same(answer, driven) else ""
+        if answer.kind == "measured":
+            lines.append('drive = "measured"')
+        elif answer.kind == "decay":
+            lines.append(f"forced = false{remark}")
         else:
-            lines.append("forced = true")
-            lines.append(
-                f"omega = {moves.omega:.6g}  # rad/s, as it moves ({moves.share:.0%} of it); write "
-                "what was commanded"
-            )
+            omega = f"{answer.omega:.6g}" if answer is driven else repr(answer.omega)
+            lines += ["forced = true", f"omega = {omega}{remark or '  # rad/s'}"]
     return lines
+
+
+def _same(one: Driven, other: Driven) -> bool:
+    """Whether two say the same, to the digits that a campaign.toml gets of a guess."""
+    return one.kind == other.kind and f"{one.omega or 0.0:.6g}" == f"{other.omega or 0.0:.6g}"
+
+
+def _guess(file: Path, seen: Survey) -> tuple[Driven, str]:
+    """How a recording seems to have been driven, and what speaks for it."""
+    moves = _motion(seen)
+    decay = any(word in file.name.lower() for word in _DECAYS)
+    if moves is None and not decay:
+        return Driven("decay"), (
+            "its rows do not tell; write forced = true and its omega if the motor ran"
+        )
+    if decay or moves is None or moves.lasts < STEADY:
+        keeps = "" if moves is None else f"it keeps {moves.lasts:.0%} of its swing: a free decay?"
+        return Driven("decay"), keeps
+    return Driven("commanded", moves.omega), (
+        f"rad/s, as it moves ({moves.share:.0%} of it); write what was commanded"
+    )
 
 
 class _Motion(NamedTuple):

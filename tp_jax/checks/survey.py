@@ -46,9 +46,10 @@ class Survey:
         header: whether the columns have names.
         sources: name in the recording -> where it seems to be, with its unit.
         why: name in the recording -> what speaks for it, in words.
-        t, phi1: as the sources give them.
+        t, phi1: (n,) as the sources give them [s], [rad].
         held: whether readings are held.
         notes: what reading by the sources does to the rows, a sentence each, without its end.
+        phi2: (n,) the second angle [rad]; None where none was found.
     """
 
     delimiter: str | None
@@ -60,6 +61,7 @@ class Survey:
     phi1: np.ndarray
     held: bool = False
     notes: tuple[str, ...] = field(default=())
+    phi2: np.ndarray | None = None
 
 
 def survey(file: Path) -> Survey:
@@ -122,7 +124,7 @@ def survey(file: Path) -> Survey:
         None if layout is None else layout.delimiter or " ",
         None if layout is None else layout.decimal,
         bool(names), sources, why, read.values["t"], read.values["phi1"],
-        holds, (*notes, *read.notes),
+        holds, (*notes, *read.notes), read.values.get("phi2"),
     )  # fmt: skip
 
 

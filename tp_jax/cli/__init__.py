@@ -18,7 +18,6 @@ from tp_jax.cli.warned import only_notices
 def build_parser() -> Parser:
     from tp_jax._version import __version__
     from tp_jax.cli import (
-        blind,
         calibrate,
         check,
         compare,
@@ -26,10 +25,12 @@ def build_parser() -> Parser:
         effects,
         identify,
         init,
+        moved,
         predict,
         record,
         rig,
         sensitivity,
+        serve,
         simulate,
     )
 
@@ -58,7 +59,8 @@ def build_parser() -> Parser:
         compare,
         predict,
         effects,
-        blind,
+        serve,
+        moved,
     ):
         command.add_parser(subparsers)
     return parser

@@ -4,6 +4,7 @@ import argparse
 import math
 import os
 import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -278,6 +279,14 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_parent(parser: argparse.ArgumentParser) -> None:
+    """For another program that runs the command: it ends with that program."""
+    parser.add_argument(
+        "--until-stdin-closes", action="store_true",
+        help="end when standard input does: with the program that started this one",
+    )  # fmt: skip
+
+
 def add_overwrite(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--overwrite",
@@ -321,8 +330,6 @@ def load(args: argparse.Namespace, path: str | Path) -> "Campaign":
     Raises:
         InputError: something is certainly wrong.
     """
-    import warnings
-
     from tp_jax.checks import examine
     from tp_jax.recordings import load_campaign
 

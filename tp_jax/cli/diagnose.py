@@ -11,12 +11,14 @@ from tp_jax.cli.arguments import (
     add_campaign,
     add_common,
     add_json,
+    add_parent,
     add_progress,
     add_seed,
     load,
     non_negative,
     up_to,
 )
+from tp_jax.cli.ending import end_with_standard_input
 from tp_jax.cli.output import forget, plain, ready, replaced, write_json
 from tp_jax.errors import InputError
 
@@ -58,6 +60,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     add_seed(parser)
     add_json(parser)
     add_progress(parser)
+    add_parent(parser)
     add_common(parser)
     parser.set_defaults(run=run)
 
@@ -86,6 +89,8 @@ def _kept(file: Path, *, resume: bool) -> Iterator[None]:
 
 
 def run(args: argparse.Namespace) -> None:
+    if args.until_stdin_closes:
+        end_with_standard_input()
     campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
     report = folder / "report.html"

@@ -102,9 +102,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         help="keep a parameter between two values (repeatable)",
     )
-    parser.add_argument(
-        "--out", metavar="DIR", help="keep the starts there, and figures of them (needs matplotlib)"
-    )
+    parser.add_argument("--out", metavar="DIR", help="keep the starts there, and figures of them")
     parser.add_argument("--resume", action="store_true", help="go on from an interrupted search")
     add_seed(parser)
     add_json(parser)
@@ -129,7 +127,6 @@ def run(args: argparse.Namespace) -> None:
     options = _options(args)
     if "checkpoint" in options:
         options["checkpoint"] = folder / STARTS
-    figures = _figures() if args.out is not None else None
     ready(None if args.out is None else folder / STARTS)
 
     import tp_jax as tp
@@ -150,7 +147,7 @@ def run(args: argparse.Namespace) -> None:
         )
     if args.json is not None:
         write_json(args.json, result.to_dict())
-    written = [] if figures is None else figures(result, folder)
+    written = [] if args.out is None else _draw(result, folder)
     if args.out is None and "checkpoint" in options:
         forget(folder / STARTS)
     if args.json != "-" and not args.quiet:
@@ -179,27 +176,16 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
     return options
 
 
-def _figures():
-    """Draws the starts into a folder; told before the work where there is nothing to draw with."""
+def _draw(result: "Identification", folder: Path) -> list[Path]:
+    """Draws the starts into a folder; the files written."""
     from tp_jax.cli.output import replaced
-    from tp_jax.errors import InputError
     from tp_jax.report import style
+    from tp_jax.report.starts import FIGURES
 
-    if not style.available():
-        raise InputError(
-            "The figures of --out need matplotlib, which is not installed: pip install "
-            "'tp-jax[plots]', or leave --out out."
-        )
-
-    def draw(result: "Identification", folder: Path) -> list[Path]:
-        from tp_jax.report.starts import FIGURES
-
-        written = []
-        for name, figure in FIGURES.items():
-            path = folder / f"{name}.png"
-            with replaced(path) as part:
-                style.save(figure(result), part)
-            written.append(path)
-        return written
-
-    return draw
+    written = []
+    for name, figure in FIGURES.items():
+        path = folder / f"{name}.png"
+        with replaced(path) as part:
+            style.save(figure(result), part)
+        written.append(path)
+    return written

@@ -1,6 +1,7 @@
 """tp-jax init: a campaign.toml from a folder of data files, to be corrected."""
 
 import argparse
+import warnings
 from pathlib import Path
 
 from tp_jax.cli.arguments import add_common
@@ -24,8 +25,6 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    import warnings
-
     folder = Path(args.folder)
     target = folder / "campaign.toml"
     if not folder.is_dir():

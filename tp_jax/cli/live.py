@@ -1,5 +1,6 @@
 """What a recording is at, on a terminal: its counts, and a small plot of the last seconds."""
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -17,8 +18,6 @@ _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))  # of a Braille cel
 @contextmanager
 def live(*, quiet: bool) -> "Iterator[Progress | None]":
     """A `progress` for the recorder, where standard error is a terminal; else None."""
-    import sys
-
     if quiet or not sys.stderr.isatty():
         yield None
         return

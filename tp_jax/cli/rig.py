@@ -1,12 +1,14 @@
 """tp-jax rig serve: the virtual rig on a pseudo-terminal, for `tp-jax record` or any other host."""
 
 import argparse
+import sys
 from typing import TYPE_CHECKING
 
 from tp_jax.cli.arguments import (
     LARGEST_ANGLE,
     LONGEST_RUN,
     add_common,
+    add_parent,
     add_seed,
     angle,
     frequency_above_zero,
@@ -38,7 +40,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "serve",
         help="serve it on a pseudo-terminal",
         description="Serves the virtual rig on a pseudo-terminal, whose name it prints, until "
-        "interrupted.",
+        "interrupted. (The page in a browser is `tp-jax serve`.)",
     )
     add_rig(serve)
     serve.add_argument(
@@ -49,9 +51,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--omega", metavar="W", type=frequency_above_zero, help="drive of a text stream, rad/s"
     )
     run.add_argument("--release", metavar="X", type=angle, help="or angle let go from, rad")
-    serve.add_argument(
-        "--until-stdin-closes", action="store_true", help="end with the program that started it"
-    )
+    add_parent(serve)
     add_common(serve)
     serve.set_defaults(run=run_serve)
 
@@ -165,8 +165,6 @@ def rig_arguments(args: argparse.Namespace) -> list[str]:
 
 
 def run_serve(args: argparse.Namespace) -> None:
-    import sys
-
     from tp_jax.rig.serve import serve_until_interrupted
 
     emulator = made(args)

@@ -106,9 +106,6 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     if args.out is not None:
-        from tp_jax.report.sensitivity.files import needed
-
-        needed()
         made_folder(args.out)
     enable_compilation_cache()
     chosen = {"spread": args.spread, "samples": args.samples}

@@ -3,6 +3,7 @@
 import numpy as np
 
 from tp_jax.effects.base import Applied, Effect
+from tp_jax.model.presets import double_pendulum, values
 
 NEEDS = frozenset({"rider", "sine", "measured", "several", "inertias"})
 """What an effect may need of a campaign."""
@@ -25,8 +26,6 @@ def tried(effect: Effect) -> None:
         )
     if effect.reads_later or "measured" in effect.needs:  # no such drive is at hand here
         return
-    from tp_jax.model.presets import double_pendulum, values
-
     random = np.random.default_rng(0)
     t = random.uniform(0.0, 10.0, _STATES)
     state = tuple(random.uniform(-2.0, 2.0, _STATES) for _ in range(4 + effect.n_states))

@@ -26,7 +26,6 @@ from tp_jax.model.elementary import sine
 
 HARMONICS = 6  # of a window's length
 SHARP = 24  # of a reading's error; no more than a quarter of a window's samples
-CHANNELS = ("column", "contact", "sensor1", "sensor2", "clock")
 
 
 class _FreeTorque(Effect):

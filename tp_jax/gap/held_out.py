@@ -7,6 +7,7 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import matmul_toeplitz
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
@@ -162,8 +163,6 @@ def expected_squares(result: Fit) -> tuple[np.ndarray, np.ndarray]:
     covariance S = C - X Q X'; its sum of squares has the mean tr S and the variance 2 tr S^2
     (Rao, 1973, Linear Statistical Inference, 2nd ed., section 4a).
     """
-    from scipy.linalg import matmul_toeplitz
-
     problem = result.problem
     white = [dataclasses.replace(p, colour=(Colour(), Colour())) for p in problem.prepared]
     read = dataclasses.replace(problem, prepared=tuple(white))

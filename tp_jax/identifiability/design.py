@@ -1,7 +1,7 @@
 """Experiments on paper: how a rig is driven, where its motion begins, when it is read."""
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -136,8 +136,3 @@ def _builder(record: Mapping, setting: Setting, recording: int) -> Callable:
         return pendulum(mine, drive, r.label)
 
     return build
-
-
-def numbers_of(fit: Fit, names: Sequence[str]) -> dict[str, float]:
-    """Values of a fit by name."""
-    return {n: fit.values.get(n) for n in names}

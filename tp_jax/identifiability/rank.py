@@ -60,10 +60,6 @@ class Rank(NamedTuple):
         largest = max(float(below.max(initial=0.0)), np.finfo(float).tiny)
         return float(self.joint[self.rank - 1]) / largest
 
-    def involved(self) -> set[str]:
-        """Parameters in any null direction."""
-        return {n for d in self.directions for n in d.coefficients}
-
 
 def rank(
     designs: Sequence[Design],

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from tp_jax.model.contact import Contact as Contact
     from tp_jax.model.drive import PiecewiseCubicDrive as PiecewiseCubicDrive
     from tp_jax.model.drive import SineDrive as SineDrive
-    from tp_jax.model.energies import Energy as Energy
-    from tp_jax.model.energies import energy as energy
     from tp_jax.model.friction import smooth_sign as smooth_sign
     from tp_jax.model.motion import Motion as Motion
     from tp_jax.model.parameters import Parameter as Parameter
@@ -26,7 +24,6 @@ _MODULES = {
     "Bearing": "bearing",
     "Contact": "contact",
     "DoubleTorsionPendulum": "pendulum",
-    "Energy": "energies",
     "LinearSpring": "spring",
     "Motion": "motion",
     "Parameter": "parameters",
@@ -34,7 +31,6 @@ _MODULES = {
     "Sensors": "sensors",
     "SineDrive": "drive",
     "SingleTorsionPendulum": "pendulum",
-    "energy": "energies",
     "smooth_sign": "friction",
 }
 

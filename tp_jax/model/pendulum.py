@@ -16,7 +16,7 @@ All components may be arrays of equal shape; the equations work elementwise.
 """
 
 from abc import abstractmethod
-from typing import Any, Protocol
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -34,25 +34,6 @@ from tp_jax.model.spring import LinearSpring
 
 PRINTED_REACTION = 2.0
 NEWTON_REACTION = 1.0
-
-
-class Term(Protocol):
-    """An effect with its amplitudes, as `tp_jax.effects` provides it.
-
-    `hook` names the quantity it adds to: clock, phase, drive, spring, bearing, contact, column,
-    base, sensor1 or sensor2. `n_states` is the number of its own states.
-    """
-
-    hook: str
-    n_states: int
-
-    def increment(self, m: Motion) -> Any:
-        """What it adds to its quantity."""
-        ...
-
-    def rates(self, m: Motion) -> tuple:
-        """Derivatives of its own states."""
-        ...
 
 
 class AbstractTorsionPendulum(eqx.Module):

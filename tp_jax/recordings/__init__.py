@@ -4,14 +4,13 @@
     lines, cells -> layout      a text to its cells; clock_times
     joined                      names of columns again, where logs were joined
     readers -> tables           other files, each kind by a library
-    units, sources -> formats   data files to columns in seconds and radians
+    units, sources -> columns -> formats   data files to columns in seconds and radians
     clocks, rounding, held -> readings  cells to times that run on and readings that are new
     sections -> format_section, entries    campaign.toml to what it says
-    recording, checks           one run, and whether it can be what it is said to be
+    recorded_run -> checks, arrays -> recording    one run, and whether it can be what is said
     odd_units                   files whose angles are in another unit, by their noise
     encoder                     readings that start anew after a turn
     campaign                    all of them together: `load_campaign`
-    arrays                      recordings and campaigns without files
     gaps                        where samples were lost
     thinning                    means of blocks, where there are samples to spare
     colour, noise_colour        correlated noise; what the angles alone say of it
@@ -30,15 +29,14 @@ from tp_jax.recordings.campaign import Campaign as Campaign
 from tp_jax.recordings.campaign import load_campaign as load_campaign
 from tp_jax.recordings.checks import LEAST_SAMPLES as LEAST_SAMPLES
 from tp_jax.recordings.colour import Colour as Colour
+from tp_jax.recordings.columns import Columns as Columns
 from tp_jax.recordings.entries import Known as Known
 from tp_jax.recordings.faults import CampaignError as CampaignError
-from tp_jax.recordings.formats import Columns as Columns
 from tp_jax.recordings.formats import ColumnSource as ColumnSource
 from tp_jax.recordings.formats import FileFormat as FileFormat
 from tp_jax.recordings.formats import read_columns as read_columns
 from tp_jax.recordings.gaps import stretches as stretches
 from tp_jax.recordings.holdout import hold_out as hold_out
-from tp_jax.recordings.noise import noise_floor as noise_floor
 from tp_jax.recordings.noise import noise_level as noise_level
 from tp_jax.recordings.noise import noise_levels as noise_levels
 from tp_jax.recordings.noise_colour import noise_colour as noise_colour

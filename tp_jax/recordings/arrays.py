@@ -1,27 +1,24 @@
-"""Recordings and campaigns from arrays, and back: no file is needed."""
+"""What recordings and campaigns hold, from arrays: no file is needed."""
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tp_jax.errors import InputError
 from tp_jax.recordings import units
-from tp_jax.recordings.checks import check_recording, check_span, check_times, check_values
+from tp_jax.recordings.checks import check_span, check_times, check_values
+from tp_jax.recordings.columns import Columns
 from tp_jax.recordings.entries import Entry, Known, Model
-from tp_jax.recordings.formats import Columns
 from tp_jax.recordings.readings import even_times
+from tp_jax.recordings.recorded_run import RecordedRun
 from tp_jax.recordings.tables import as_numbers
 
-if TYPE_CHECKING:
-    from tp_jax.recordings.campaign import Campaign
-    from tp_jax.recordings.recording import Recording
 
-
-def recording_from_arrays(
+def recording_fields(
     t: ArrayLike,
     phi1: ArrayLike,
     phi2: ArrayLike | None = None,
@@ -32,12 +29,14 @@ def recording_from_arrays(
     name: str = "run",
     t_unit: str = "s",
     angle_unit: str = "rad",
-    rotates: bool = False,
     **more: Any,
-) -> "Recording":
-    """See `Recording.from_arrays`."""
-    from tp_jax.recordings.recording import Recording
+) -> dict[str, Any]:
+    """The fields of a `RecordedRun`, times and values checked; arguments as of
+    `Recording.from_arrays`.
 
+    Raises:
+        InputError: the arrays cannot be what they are said to be.
+    """
     if forced is None:
         forced = drive is not None or bool(omega)
     if forced and drive is None and not (omega and 0.0 < omega < float("inf")):
@@ -77,42 +76,37 @@ def recording_from_arrays(
     check_times(columns)
     check_span(columns, Entry(name, file, forced), 0, values["t"].size, file)
     check_values(columns, 0, values["t"].size)
-    recording = Recording(
-        name=name, label=name, file=file, t=values["t"], phi1=values["phi1"],
-        phi2=values.get("phi2"), drive=values.get("drive"), forced=forced,
-        omega=omega if forced else None, sha256=digest,
-        **{"span": None, "start": None, "repeat": None, "held_out": False, "notes": notes, **more},
-    )  # fmt: skip
-    check_recording(recording, None, rotates)
-    return recording
+    return {
+        "name": name, "label": name, "file": file, "t": values["t"], "phi1": values["phi1"],
+        "phi2": values.get("phi2"), "drive": values.get("drive"), "forced": forced,
+        "omega": omega if forced else None, "sha256": digest,
+        "span": None, "start": None, "repeat": None, "held_out": False, "notes": notes, **more,
+    }  # fmt: skip
 
 
-def campaign_from_arrays(
-    recordings: "Iterable[Recording | Mapping[str, Any]]",
+def campaign_fields(
+    recordings: Sequence[RecordedRun],
     *,
     name: str = "campaign",
     B1: float | None = None,
     B2: float | tuple[float, float] | None = None,
     k: float | tuple[float, float] | None = None,
     model: Model | None = None,
-) -> "Campaign":
-    """See `Campaign.from_arrays`."""
-    from tp_jax.recordings.campaign import Campaign
+) -> dict[str, Any]:
+    """The fields of a `Campaign`, checked; arguments as of `Campaign.from_arrays`.
 
-    made = []
-    for i, each in enumerate(recordings):
-        if isinstance(each, Mapping):
-            each = recording_from_arrays(**{"name": f"run-{i + 1:02d}", **each})
-        made.append(each)
-    if not made:
+    Raises:
+        InputError: they do not make a campaign.
+    """
+    if not recordings:
         raise InputError(f"Campaign {name} has no recordings; give one or more.")
-    labels = [each.label for each in made]
+    labels = [each.label for each in recordings]
     for label in labels:
         if labels.count(label) > 1:
             raise InputError(f"Campaign {name} has two recordings {label}; name them apart.")
-    if all(each.held_out for each in made):
+    if all(each.held_out for each in recordings):
         raise InputError(f"Campaign {name} has nothing to fit; let held_out be False of some.")
-    riders = [each.phi2 is not None for each in made]
+    riders = [each.phi2 is not None for each in recordings]
     if model is None:
         model = "double" if any(riders) else "single"
     if model == "double" and not all(riders):
@@ -122,26 +116,22 @@ def campaign_from_arrays(
         raise InputError(
             "B2 or k is given, but B1 is not; give it, or 1 if they are per unit of it."
         )
-    return Campaign(
-        name=name, model=model, B1=B1, B2=_known(B2), k=_known(k), sample_rate=None,
-        recordings=tuple(made), folder=Path(),
-    )  # fmt: skip
+    return {
+        "name": name, "model": model, "B1": B1, "B2": _known(B2), "k": _known(k),
+        "sample_rate": None, "recordings": tuple(recordings), "folder": Path(),
+    }  # fmt: skip
 
 
-def frame_of(recording: "Recording") -> Any:
-    """See `Recording.to_frame`."""
-    try:
-        import pandas
-    except ImportError as error:
-        raise InputError("A DataFrame needs pandas: pip install pandas.") from error
-    columns = {"t": recording.t, **recording.channels}
-    if recording.drive is not None:
-        columns["drive"] = recording.drive
-    return pandas.DataFrame(columns)
+def arrays_of(frame: Any, columns: Mapping[str, str] | None) -> dict[str, np.ndarray]:
+    """The columns t, phi1, phi2 and drive of a DataFrame, those that are there.
 
+    Args:
+        frame: of pandas, or one with the same methods.
+        columns: name here -> name in the frame, where they differ.
 
-def from_frame(frame: Any, columns: Mapping[str, str] | None, given: dict[str, Any]) -> "Recording":
-    """See `Recording.from_frame`."""
+    Raises:
+        InputError: a column is missing.
+    """
     names = {each: each for each in ("t", "phi1", "phi2", "drive")} | dict(columns or {})
     there = [str(each) for each in frame.columns]
     for name in ("t", "phi1", *(columns or {})):
@@ -150,10 +140,7 @@ def from_frame(frame: Any, columns: Mapping[str, str] | None, given: dict[str, A
                 f"There is no column {names.get(name)!r} for {name} among {', '.join(there)}; name "
                 "it, as in columns={'phi1': 'angle'}."
             )
-    arrays = {key: frame[name].to_numpy() for key, name in names.items() if name in there}
-    if given.get("forced") is False or given.get("omega") is not None:
-        arrays.pop("drive", None)
-    return recording_from_arrays(**arrays, **given)
+    return {key: frame[name].to_numpy() for key, name in names.items() if name in there}
 
 
 def _factor(argument: str, unit: str, table: Mapping[str, float]) -> float:

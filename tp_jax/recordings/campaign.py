@@ -11,6 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from tp_jax.errors import Notice
+from tp_jax.recordings.arrays import campaign_fields
 from tp_jax.recordings.calibration_error import CalibrationError, read_calibration_error
 from tp_jax.recordings.checks import (
     check_recording,
@@ -19,10 +20,12 @@ from tp_jax.recordings.checks import (
     check_values,
     odd_ones,
 )
+from tp_jax.recordings.columns import Columns
 from tp_jax.recordings.entries import Entry, Known, Model, Plan, read_plan
 from tp_jax.recordings.faults import CampaignError
-from tp_jax.recordings.formats import Columns, FileFormat, read_columns
-from tp_jax.recordings.recording import Recording, spanned, within
+from tp_jax.recordings.formats import FileFormat, read_columns
+from tp_jax.recordings.recorded_run import spanned, within
+from tp_jax.recordings.recording import Recording
 from tp_jax.recordings.short import short
 from tp_jax.recordings.started import read_started
 
@@ -70,9 +73,13 @@ class Campaign:
         Raises:
             InputError: they do not make a campaign.
         """
-        from tp_jax.recordings.arrays import campaign_from_arrays
-
-        return campaign_from_arrays(recordings, **given)
+        made = [
+            Recording.from_arrays(**{"name": f"run-{i + 1:02d}", **each})
+            if isinstance(each, Mapping)
+            else each
+            for i, each in enumerate(recordings)
+        ]
+        return Campaign(**campaign_fields(made, **given))
 
     @property
     def fitted(self) -> tuple[Recording, ...]:

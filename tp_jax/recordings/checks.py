@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from tp_jax.recordings import clocks, rounding
+from tp_jax.recordings.columns import Columns
 from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.entries import Entry
 from tp_jax.recordings.faults import CampaignError, in_rows
-from tp_jax.recordings.formats import Columns
 from tp_jax.recordings.noise import noise_level
 from tp_jax.recordings.odd_units import NAMES, Odd, advice, odd_units
 from tp_jax.recordings.readings import repeated
-from tp_jax.recordings.recording import Recording
+from tp_jax.recordings.recorded_run import RecordedRun
 from tp_jax.recordings.sources import ColumnSource
 
 LEAST_SAMPLES = 50
@@ -152,7 +152,7 @@ def check_span(columns: Columns, entry: Entry, begin: int, end: int, toml: Path)
 
 
 def check_recording(
-    recording: Recording,
+    recording: RecordedRun,
     sample_rate: float | None,
     rotates: bool = False,
     columns: Mapping[str, ColumnSource] | None = None,
@@ -190,7 +190,7 @@ def check_recording(
 
 
 def _check_wrap(
-    recording: Recording, name: str, angle: np.ndarray, columns: Mapping[str, ColumnSource]
+    recording: RecordedRun, name: str, angle: np.ndarray, columns: Mapping[str, ColumnSource]
 ) -> None:
     """A reading that starts anew after a turn is no angle of a motion."""
     found = leaps(recording.t, angle)
@@ -223,17 +223,19 @@ def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
         )
 
 
-def odd_ones(recordings: Sequence[Recording]) -> dict[str, dict[str, Odd]] | None:
+def odd_ones(recordings: Sequence[RecordedRun]) -> dict[str, dict[str, Odd]] | None:
     """As `odd_units`, where phi1 of some recordings, and not of all, is too wide for radians."""
     wide = [_too_wide(each) for each in recordings]
     return odd_units(recordings) if any(wide) and not all(wide) else None
 
 
-def _too_wide(recording: Recording) -> bool:
+def _too_wide(recording: RecordedRun) -> bool:
     return float(np.ptp(recording.phi1)) > WIDEST_PHI1
 
 
-def _check_angles(recording: Recording, odd: Mapping[str, Mapping[str, Odd]] | None = None) -> None:
+def _check_angles(
+    recording: RecordedRun, odd: Mapping[str, Mapping[str, Odd]] | None = None
+) -> None:
     if not _too_wide(recording):
         return
     width = float(np.ptp(recording.phi1))
@@ -273,7 +275,7 @@ def _check_angles(recording: Recording, odd: Mapping[str, Mapping[str, Odd]] | N
     )
 
 
-def _check_turns(recording: Recording) -> None:
+def _check_turns(recording: RecordedRun) -> None:
     """An angle that winds goes on from sample to sample: degrees, or turns not counted, leap."""
     steps, ways = np.diff(recording.t), np.abs(np.diff(recording.phi1))
     side_by_side = steps < 2.0 * np.median(steps)  # who knows what it did in a gap
@@ -288,7 +290,7 @@ def _check_turns(recording: Recording) -> None:
         )
 
 
-def _check_motion(recording: Recording) -> None:
+def _check_motion(recording: RecordedRun) -> None:
     width = float(np.ptp(recording.phi1))
     noise = noise_level(recording.t, recording.phi1)
     # The largest of n normal deviates is near sqrt(2 ln n); a body at rest has no more than

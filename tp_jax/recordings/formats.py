@@ -5,82 +5,24 @@ paper's three columns without a header, texts of other makers, whose layout is f
 described by a `FileFormat`, and files of other kinds, each by a library (`tables`).
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from tp_jax.recordings.cells import parse, split
 from tp_jax.recordings.clock_times import is_date_or_clock
-from tp_jax.recordings.faults import CampaignError, in_rows, listed, nearest
+from tp_jax.recordings.columns import Columns, changed, chosen_sources, position_by_name
+from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.joined import check_joined
 from tp_jax.recordings.kinds import kind_of
 from tp_jax.recordings.layout import Layout, layout_of
 from tp_jax.recordings.lines import Lines, as_lines, read_bytes, without_separators
 from tp_jax.recordings.readings import readings
-from tp_jax.recordings.short import short_fields
 from tp_jax.recordings.sources import NAMES as NAMES
 from tp_jax.recordings.sources import REQUIRED as REQUIRED
 from tp_jax.recordings.sources import ColumnSource as ColumnSource
 from tp_jax.recordings.sources import FileFormat as FileFormat
-from tp_jax.recordings.sources import from_header, toml_table
-from tp_jax.recordings.units import parted
-
-MAP = " or say where it is under [format.columns] in campaign.toml, which `tp-jax init` writes"
-
-
-@dataclass(frozen=True)
-class Columns:
-    """What was read from a file.
-
-    Attributes:
-        file: the file.
-        values: name -> (n,) values, scaled.
-        numbers: 1-based line in the file of each of the n rows.
-        header: 1-based line of the header; None where there is none.
-        sha256: of the file's bytes.
-        sources: name -> where it came from; empty without a file.
-        form: the format it was read by.
-        dated: times were written as dates or clock times.
-        notes: what was done to the rows, a sentence each, without its end.
-        thinned: of rows that say the same only one was kept.
-    """
-
-    __repr__ = short_fields
-
-    file: Path
-    values: Mapping[str, np.ndarray]
-    numbers: Sequence[int]
-    header: int | None
-    sha256: str
-    sources: Mapping[str, ColumnSource] = field(default_factory=dict)
-    form: FileFormat = field(default_factory=FileFormat)
-    dated: bool = False
-    notes: tuple[str, ...] = ()
-    thinned: bool = False
-
-    def advice(self, changes: Mapping[str, Mapping[str, Any]], alone: bool = False) -> str:
-        """What to write in a campaign.toml for columns to be read with other settings.
-
-        Args:
-            changes: name of a column -> its settings.
-            alone: other files are not to be read like that.
-        """
-        if alone:
-            return f'write columns = {toml_table(changes)} beside file = "{self.file.name}"'
-        whole = bool(self.form.columns)
-        told = ", ".join(
-            f"{name} = "
-            + (
-                self.sources[name].changed(given).toml()
-                if whole
-                else toml_table({**self.form.changes.get(name, {}), **given})
-            )
-            for name, given in changes.items()
-        )
-        return f"write {told} under [format.columns]"
+from tp_jax.recordings.sources import from_header
+from tp_jax.recordings.tables import read_table
 
 
 def read_columns(
@@ -101,8 +43,6 @@ def read_columns(
     raw = read_bytes(file)
     kind = kind_of(file, raw[:4096])
     if kind is not None:
-        from tp_jax.recordings.tables import read_table
-
         return read_table(file, raw, kind, form, wanted)
     lines, left_out = without_separators(as_lines(file, raw), form.skip_lines or 0)
     layout = layout_of(lines, form)
@@ -147,41 +87,6 @@ def empty_rows(file: Path, left_out: Sequence[int], first: int) -> tuple[str, ..
         return ()
     told = in_rows(among) or f", in line {among[0]}"
     return (f"{file}: empty rows, of separators only, were left out{told}",)
-
-
-def changed(sources: Mapping[str, ColumnSource], form: FileFormat) -> dict[str, ColumnSource]:
-    """The sources with what one file has of its own."""
-    out = dict(sources)
-    for name, given in form.changes.items():
-        out[name] = out.get(name, ColumnSource(name)).changed(given)
-    return out
-
-
-def chosen_sources(
-    sources: Mapping[str, ColumnSource], wanted: Sequence[str]
-) -> dict[str, ColumnSource]:
-    """The sources of the columns wanted, and of those that they are counted from."""
-    needed = [name for name in wanted if name in sources]
-    needed += [m for n in needed if (m := sources[n].minus) is not None and m not in needed]
-    return {name: sources[name] for name in needed}
-
-
-def position_by_name(
-    column: str, header: Sequence[str], fault: Callable[[str, str], Exception]
-) -> int:
-    """Index of a column in a header: by its whole cell, or by its name before the unit.
-
-    Raises:
-        Exception: what `fault(wrong, mend)` makes, where there is no such column.
-    """
-    for cells in (list(header), [parted(cell)[0] for cell in header]):
-        if column in cells:
-            return cells.index(column)
-    near = nearest(column, [cell for cell in header if cell not in NAMES])
-    raise fault(
-        f'there is no column "{column}" among {listed(header)}',
-        f'rename "{near}"{MAP}' if near else f"rename the one that is meant{MAP}",
-    )
 
 
 def _sources(

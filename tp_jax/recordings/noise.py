@@ -9,7 +9,7 @@ or less than of white noise, by a factor that the colour gives (`Colour.seen`).
 """
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import comb
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from tp_jax.recordings.colour import Colour
 from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.noise_colour import same_rate
-from tp_jax.recordings.recording import Recording
+from tp_jax.recordings.recorded_run import RecordedRun
 
 ORDERS = range(2, 9)
 
@@ -95,7 +95,7 @@ def _level(t: np.ndarray, y: np.ndarray, colour: Colour | None) -> tuple[float, 
 
 
 def noise_levels(
-    recordings: Sequence[Recording],
+    recordings: Sequence[RecordedRun],
     colours: Sequence[tuple[Colour, Colour]] | None = None,
     policy: LevelPolicy = POLICY,
 ) -> np.ndarray:
@@ -128,25 +128,6 @@ def noise_levels(
                 differs = abs(level - common) > apart * min(level, common)
                 out[i, c] = level if differs else common
     return out
-
-
-def noise_floor(recordings: Iterable[Recording]) -> dict[str, float]:
-    """Noise level of each channel, pooled over recordings.
-
-    The median of the variances: one recording with a disturbance does not set the level of all. A
-    channel that is constant in a recording, a coarse reading of a body that stood still, says
-    nothing of its noise there.
-
-    Returns:
-        "phi1" (and "phi2" where measured) -> standard deviation [rad]; 0 if constant in all.
-    """
-    variances: dict[str, list[float]] = {}
-    for recording in recordings:
-        for name, values in recording.channels.items():
-            mine = variances.setdefault(name, [])
-            if np.ptp(values) > 0.0:
-                mine.append(noise_level(recording.t, values) ** 2)
-    return {n: float(np.sqrt(np.median(each))) if each else 0.0 for n, each in variances.items()}
 
 
 def quantum(y: np.ndarray) -> float:

@@ -27,7 +27,7 @@ import numpy as np
 
 from tp_jax.recordings.colour import Colour, first_order
 from tp_jax.recordings.gaps import stretches
-from tp_jax.recordings.recording import Recording
+from tp_jax.recordings.recorded_run import RecordedRun
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,7 +62,7 @@ POLICY = ColourPolicy()
 
 
 def noise_colour(
-    recordings: Iterable[Recording], name: str, period: float, policy: ColourPolicy = POLICY
+    recordings: Iterable[RecordedRun], name: str, period: float, policy: ColourPolicy = POLICY
 ) -> Colour:
     """Colour of one channel, from recordings of one sampling rate.
 
@@ -112,7 +112,7 @@ def noise_colour(
     return first_order(rho, w / (w + slow), lowest)
 
 
-def same_rate(recordings: Sequence[Recording], ratio: float = 1.1) -> list[list[int]]:
+def same_rate(recordings: Sequence[RecordedRun], ratio: float = 1.1) -> list[list[int]]:
     """Groups of recordings whose sampling intervals agree within a ratio, slowest last."""
     steps = np.array([np.median(np.diff(r.t)) for r in recordings])
     groups: list[list[int]] = []

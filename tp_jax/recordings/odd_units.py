@@ -12,7 +12,7 @@ import numpy as np
 from tp_jax.recordings.encoder import whole_numbers
 from tp_jax.recordings.held import held
 from tp_jax.recordings.noise import noise_level, noise_level_and_error
-from tp_jax.recordings.recording import Recording
+from tp_jax.recordings.recorded_run import RecordedRun
 from tp_jax.recordings.units import ANGLE
 
 NAMES: Mapping[str | None, str] = {
@@ -71,7 +71,7 @@ class Odd:
 
 
 def odd_units(
-    recordings: Sequence[Recording], policy: OddPolicy = POLICY
+    recordings: Sequence[RecordedRun], policy: OddPolicy = POLICY
 ) -> dict[str, dict[str, Odd]]:
     """Label of a recording -> channel -> what it is in, for those that are in another unit."""
     found: dict[str, dict[str, Odd]] = {}
@@ -98,7 +98,7 @@ def odd_units(
     return found
 
 
-def _has_noise(recording: Recording, channel: str, level: float, policy: OddPolicy) -> bool:
+def _has_noise(recording: RecordedRun, channel: str, level: float, policy: OddPolicy) -> bool:
     """Whether a level is that of noise, which is the same among every other sample."""
     part = slice(0, policy.samples, 2)
     other = noise_level(recording.t[part], recording.channels[channel][part])
@@ -106,7 +106,7 @@ def _has_noise(recording: Recording, channel: str, level: float, policy: OddPoli
 
 
 def _odd(
-    recording: Recording,
+    recording: RecordedRun,
     channel: str,
     level: tuple[float, float],
     usual: tuple[float, float],
@@ -132,13 +132,13 @@ def _odd(
     return Odd("deg", ratio, "gon" if gon > -np.log(policy.rarer) else None)
 
 
-def declared(recording: Recording, channel: str) -> float:
+def declared(recording: RecordedRun, channel: str) -> float:
     """rad in the unit that a channel is said to be in."""
     source = recording.sources.get(channel)
     return 1.0 if source is None else abs(source.factor(channel) / source.scale)
 
 
-def advice(recording: Recording, odd: Mapping[str, str | None]) -> str:
+def advice(recording: RecordedRun, odd: Mapping[str, str | None]) -> str:
     """What to write for one file, by the unit of each channel; None: counts of an encoder."""
     told = ", ".join(
         f"{channel} = {{ counts = N }}" if unit is None else f'{channel} = {{ unit = "{unit}" }}'
@@ -149,7 +149,7 @@ def advice(recording: Recording, odd: Mapping[str, str | None]) -> str:
 
 
 def levels_of(
-    recordings: Sequence[Recording], channel: str, policy: OddPolicy = POLICY
+    recordings: Sequence[RecordedRun], channel: str, policy: OddPolicy = POLICY
 ) -> dict[str, tuple[float, float]]:
     """Label -> noise and its relative error, of those that have some.
 

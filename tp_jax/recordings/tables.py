@@ -10,14 +10,14 @@ import numpy as np
 
 from tp_jax.recordings.cells import number
 from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
-from tp_jax.recordings.faults import CampaignError, listed
-from tp_jax.recordings.formats import (
+from tp_jax.recordings.columns import (
     MAP,
     Columns,
     changed,
     chosen_sources,
     position_by_name,
 )
+from tp_jax.recordings.faults import CampaignError, listed
 from tp_jax.recordings.kinds import Kind
 from tp_jax.recordings.readers import Unreadable
 from tp_jax.recordings.readings import readings

@@ -39,6 +39,8 @@ def rows(a: Mapping[str, Any], b: Mapping[str, Any]) -> list[Row]:
     lines: list[Row] = [
         _row("campaign", [reading.text(each, "campaign") or MISSING for each in both]),
         _row("verdict", [reading.verdict(each) for each in both]),
+        _row("first cause", [next(iter(_named(each)), MISSING) for each in both]),
+        _row("gap gone", [percent(reading.value(each, "gap", "shrink")) for each in both]),
     ]
     for state, told in (("before", "without effects"), ("after", "with them")):
         for kind, name in (("windowed", "in windows"), ("free_run", "free run")):

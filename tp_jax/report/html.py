@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from tp_jax._files import replaced
 from tp_jax._version import __version__
-from tp_jax.report import pictures, reading, run_tables, style, tables, verdict, words
+from tp_jax.report import pictures, reading, run_tables, tables, verdict, words
 from tp_jax.report.figure_files import FOLDER, write_figures
 from tp_jax.report.figures.curves import drawable
 
@@ -27,12 +27,6 @@ class Part(NamedTuple):
 
     id: str
     title: str
-
-
-NO_FIGURES = (
-    "This report has no figures, since matplotlib is not installed. To have them, install "
-    "tp-jax[plots] and make the report again."
-)
 
 
 def write_report(
@@ -98,7 +92,6 @@ def context(
         "verdict": verdict.sentences(diagnosis),
         "version": reading.text(provenance, "version") or __version__,
         "drawn_figures": drawn,
-        "no_figures": "" if style.available() else NO_FIGURES,
         "gap": tables.gap(diagnosis),
         "floor": tables.floor_line(diagnosis),
         "by_run": run_tables.runs(diagnosis),

@@ -44,9 +44,7 @@ class Pictures(NamedTuple):
 
 
 def pictures(diagnosis: Mapping[str, Any]) -> Pictures:
-    """Draws everything; nothing at all where there is no matplotlib."""
-    if not style.available():
-        return Pictures(None, [], [], None, None, None, None)
+    """Draws everything."""
     return Pictures(
         first(diagnosis),
         runs(diagnosis),

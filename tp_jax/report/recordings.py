@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tp_jax.checks.harmonics import spectrum
 from tp_jax.errors import InputError
 from tp_jax.report import style
 
@@ -56,7 +57,7 @@ def draw_recordings(checked: "Checked", path: Path, kind: str = "png") -> None:
 
 
 def _draw_angles(axes, recording: "Recording") -> None:
-    begin = recording.t[-1] - _duration(recording)
+    begin = recording.t[-1] - drawn_duration(recording.duration, recording.omega)
     part = recording.t >= begin
     t = recording.t[part]
     axes.plot(t, recording.phi1[part], color=style.MUTED, lw=1.0, label="φ1, the column [rad]")
@@ -66,16 +67,19 @@ def _draw_angles(axes, recording: "Recording") -> None:
     axes.margins(x=0.0)
 
 
-def _duration(recording: "Recording") -> float:
-    """Of what is drawn [s]: some periods of a drive, all of a decay."""
-    if recording.omega is None:
-        return recording.duration
-    return min(recording.duration, _SHOWN * 2.0 * math.pi / recording.omega)
+def drawn_duration(duration: float, omega: float | None) -> float:
+    """Seconds at the end of a recording that are drawn: some periods of a drive, all of a decay.
+
+    Args:
+        duration: of the recording [s].
+        omega: of its drive [rad/s]; None: a decay, or not known.
+    """
+    if omega is None:
+        return duration
+    return min(duration, _SHOWN * 2.0 * math.pi / omega)
 
 
 def _draw_spectrum(axes, recording: "Recording") -> None:
-    from tp_jax.checks.harmonics import spectrum
-
     frequency, amplitude = spectrum(recording.t, recording.phi1)
     axes.loglog(frequency[1:], amplitude[1:], color=style.MUTED, lw=0.8)
     if recording.omega is not None:

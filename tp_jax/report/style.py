@@ -5,10 +5,13 @@ apart. In a page they become CSS variables, so that its style sheet can choose l
 dark screen; text and axes take the colour of the page's text.
 """
 
+import html
 import io
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
+
+import numpy as np
 
 from tp_jax.report.layout import FONT_SIZE, SPACING
 
@@ -52,15 +55,6 @@ _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 PIXELS = 150  # per inch, of figures saved as PNG
 
 
-def available() -> bool:
-    """Whether there is matplotlib to draw with."""
-    try:
-        import matplotlib.figure  # noqa: F401
-    except ImportError:
-        return False
-    return True
-
-
 def new_figure(width: float, height: float, *, fitted: bool = False) -> "Figure":
     """An empty figure of its own, no part of pyplot, on a transparent background.
 
@@ -98,7 +92,6 @@ def dots(axes: "Axes", t: Any, y: Any, *, color: str, size: float, label: str = 
         size: diameter in points.
         label: for the legend.
     """
-    import numpy as np
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
@@ -190,8 +183,6 @@ def inline(text: str, name: str, label: str) -> str:
         name: prefix of its ids, which must be unique in the page.
         label: what it shows, in words, for those who do not see it.
     """
-    import html
-
     box = re.search(r'viewBox="([^"]+)"', text)
     body = text[text.index(">", text.index("<svg")) + 1 :]
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)

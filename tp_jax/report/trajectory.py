@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tp_jax.errors import InputError
 from tp_jax.report import style
 
 if TYPE_CHECKING:
@@ -16,14 +15,7 @@ def plot_trajectory(trajectory: "Trajectory", path: str | Path, title: str = "")
     """Draws the angles above and the rider's velocity against the column below, into a PNG.
 
     A single torsion pendulum has no rider: the column's own velocity stands below.
-
-    Raises:
-        InputError: matplotlib is not installed.
     """
-    if not style.available():
-        raise InputError(
-            "Drawing needs matplotlib, which is not installed: pip install 'tp-jax[plots]'."
-        )
     figure = style.new_figure(_WIDTH, _HEIGHT, fitted=True)
     angles, velocity = figure.subplots(2, 1, sharex=True)
 

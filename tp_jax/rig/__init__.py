@@ -4,7 +4,6 @@
     effects                                                           what can be hidden
     drive -> simulator                                                `VirtualRig`, run by run
     plan, chain -> campaign                                           which runs, noise, files
-    recorder -> recorded                                              any runs, any recorder
 
 NumPy and SciPy only.
 """

@@ -11,7 +11,6 @@ TEXT = {"type": ["string", "null"], "says": "a text or null"}
 NAME = {"type": "string", "says": "a text"}
 COUNT = {"type": "integer", "minimum": 0, "says": "a whole number, zero or more"}
 DIGEST = {"type": "string", "pattern": "^[0-9a-f]{64}$", "says": "a SHA-256 in hexadecimal digits"}
-NUMBERS = {"type": "array", "items": NUMBER, "says": "a list of numbers"}
 YES_OR_NO = {"type": "boolean", "says": "true or false"}
 FLAG = {"type": ["boolean", "null"], "says": "true, false or null"}
 INTERVAL = {

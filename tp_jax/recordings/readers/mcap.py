@@ -1,5 +1,6 @@
 """MCAP files with messages in JSON, by mcap; in ROS 2's form where mcap-ros2-support is there."""
 
+import json
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,8 +20,6 @@ def read(file: Path, sheet: str | None) -> dict[str, np.ndarray]:
         file: the file.
         sheet: the topic; None: the one with the most messages.
     """
-    import json
-
     from mcap.reader import make_reader
 
     topics: dict[str, list[tuple[float, Any]]] = defaultdict(list)

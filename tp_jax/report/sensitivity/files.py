@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from tp_jax._files import replaced
-from tp_jax.errors import InputError
 from tp_jax.report import style
 from tp_jax.report.sensitivity import (
     correlation,
@@ -28,18 +27,6 @@ FIGURES = {
 }
 
 
-def needed() -> None:
-    """Says before the work that there is nothing to draw with.
-
-    Raises:
-        InputError: matplotlib is not installed.
-    """
-    if not style.available():
-        raise InputError(
-            "Drawing needs matplotlib, which is not installed: pip install 'tp-jax[plots]'."
-        )
-
-
 def write_figures(analysis: Mapping[str, Any], folder: str | Path) -> list[Path]:
     """Draws what there is to draw of an analysis; each file appears whole or not at all.
 
@@ -51,10 +38,8 @@ def write_figures(analysis: Mapping[str, Any], folder: str | Path) -> list[Path]
         The files written.
 
     Raises:
-        InputError: matplotlib is not installed.
         OSError: a file cannot be written.
     """
-    needed()
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     written = []

@@ -5,3 +5,4 @@ from tp_jax.rig.effects.base import Effect as Effect
 from tp_jax.rig.effects.base import Hidden as Hidden
 from tp_jax.rig.effects.registry import catalogue as catalogue
 from tp_jax.rig.effects.registry import hide as hide
+from tp_jax.rig.effects.registry import register as register

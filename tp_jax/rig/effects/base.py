@@ -89,9 +89,6 @@ class Effect:
         stage: those of a higher one take hold later, and see what the others made.
         in_catalogue: whether the package's catalogue has it; if not, the diagnosis can but say in
             which channel it is.
-        cousin_of: the effect of the catalogue of which this is another formula, if it is one.
-        family: "place.argument" of a law learned from data that would hold it, where it has one.
-        rough_only: hidden in trials on rough rigs only.
     """
 
     id: ClassVar[str] = ""
@@ -106,9 +103,6 @@ class Effect:
     needs_rider: ClassVar[bool] = False
     stage: ClassVar[int] = 0
     in_catalogue: ClassVar[bool] = True
-    cousin_of: ClassVar[str] = ""
-    family: ClassVar[str] = ""
-    rough_only: ClassVar[bool] = False
 
     def install(self, run: Run, *sizes: float) -> None:
         """Takes hold of the rig for one run; never called with all sizes zero."""
@@ -128,13 +122,6 @@ class Effect:
 
     def _drawn(self, *sizes: float, **shapes: float) -> Draw:
         return Draw(tuple(sizes), {f"{self.id}.{name}": value for name, value in shapes.items()})
-
-
-class Cousin(Effect):
-    """The catalogue has the kind, but not this formula."""
-
-    in_catalogue = False
-    rough_only = True
 
 
 @dataclass(frozen=True)

@@ -7,45 +7,46 @@ from types import MappingProxyType, ModuleType
 
 from tp_jax.errors import InputError
 from tp_jax.recordings.faults import nearest
-from tp_jax.rig.effects import (
-    bearing,
-    clock,
-    column,
-    contact,
-    cousins_bearing,
-    cousins_column,
-    cousins_contact,
-    cousins_drive,
-    cousins_sensors,
-    cousins_spring,
-    drive,
-    outside_clock,
-    outside_column,
-    outside_contact,
-    outside_sensors,
-    sensors,
-    spring,
-)
+from tp_jax.rig.effects import bearing, clock, column, contact, drive, sensors, spring
 from tp_jax.rig.effects.base import Effect, Hidden
 
-FAMILIES: tuple[ModuleType, ...] = (
-    drive, spring, bearing, contact, column, sensors, clock,
-    outside_column, outside_contact, outside_sensors, outside_clock,
-    cousins_drive, cousins_spring, cousins_bearing, cousins_contact, cousins_column,
-    cousins_sensors,
-)  # fmt: skip
+FAMILIES: tuple[ModuleType, ...] = (drive, spring, bearing, contact, column, sensors, clock)
+_registered: dict[str, Effect] = {}
+
+
+def register(family: ModuleType) -> None:
+    """Adds every effect of a module, so that a rig can hide effects that this package lacks.
+
+    Args:
+        family: its classes that are an `Effect` with an `id` are added; those that were added
+            before stay.
+
+    Raises:
+        ValueError: an id is taken by another class.
+    """
+    known = catalogue()
+    for id, effect in _effects_of(family).items():
+        if id in known and type(known[id]) is not type(effect):
+            raise ValueError(f"The rig has an effect {id!r} already; choose another id.")
+        _registered.setdefault(id, effect)
+
+
+def catalogue() -> Mapping[str, Effect]:
+    """id -> effect, those of this package and those registered, by their names."""
+    return MappingProxyType(dict(sorted({**_built_in(), **_registered}.items())))
 
 
 @functools.cache
-def catalogue() -> Mapping[str, Effect]:
-    """id -> effect, those in the package's catalogue and those outside it, by their names."""
-    found = {
+def _built_in() -> dict[str, Effect]:
+    return {id: effect for family in FAMILIES for id, effect in _effects_of(family).items()}
+
+
+def _effects_of(family: ModuleType) -> dict[str, Effect]:
+    return {
         value.id: value()
-        for family in FAMILIES
         for value in vars(family).values()
         if isinstance(value, type) and issubclass(value, Effect) and value.id
     }
-    return MappingProxyType(dict(sorted(found.items())))
 
 
 def hide(

@@ -1,0 +1,210 @@
+"""scripts/blind run: a blind trial made, diagnosed and scored, resumably."""
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from scripts import _markdown as markdown
+from scripts._workers import fault_of, over_all_cores
+from tp_jax.cli.arguments import add_seed, count, positive
+from tp_jax.errors import InputError
+
+LAST = 12  # tasks of a process; its compiled programs add up
+
+
+def add_parser(commands: argparse._SubParsersAction) -> None:
+    """Adds `run`."""
+    parser = commands.add_parser(
+        "run",
+        help="make a trial, diagnose every case and score, resumably",
+        description="A blind trial: made if it is not there, diagnosed, scored. Resumes.",
+    )
+    parser.add_argument("directory", metavar="DIR", nargs="?", default="blind-trial",
+                        help="of the trial (default ./blind-trial)")  # fmt: skip
+    parser.add_argument("--cases", metavar="N", type=count, default=440, help="default 440")
+    parser.add_argument("--rigs", choices=("clean", "rough"), default="clean",
+                        help="as `scripts/blind make --rigs` (default clean)")  # fmt: skip
+    add_seed(parser)
+    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
+                        help="processes (default: as many as processors)")  # fmt: skip
+    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
+                        help="begin no case after so many seconds; what is known is scored "
+                        "once all are diagnosed")  # fmt: skip
+    parser.add_argument("--first", metavar="N", type=count,
+                        help="of the cases; the others are given up")  # fmt: skip
+    parser.add_argument("--pool", metavar="F", action="append", default=[],
+                        help="score.json of another trial of the same program, for the tables "
+                        "(repeatable)")  # fmt: skip
+    parser.add_argument("--quick", action="store_true", help="as `scripts/blind score --quick`")
+    parser.add_argument("--json", metavar="F", help="of the score (default DIR/score.json)")
+    parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
+    parser.add_argument("--debug", action="store_true", default=argparse.SUPPRESS,
+                        help="show the traceback of a fault")  # fmt: skip
+    parser.set_defaults(run=run_trial)
+
+
+def run_trial(args: argparse.Namespace) -> int:
+    """Exit code."""
+    from tp_jax.cli.output import ready, write_json, write_text
+    from tp_jax.cli.progress import shown
+    from trials import make, pool, score
+    from trials.seal import open_key, undiagnosed
+
+    ready(args.json, args.markdown)
+    others = [_read(path) for path in args.pool]
+    begin, root = time.monotonic(), Path(args.directory)
+    with shown(quiet=False) as progress:
+        if not (root / "KEY.sha256").is_file():
+            make(
+                root, args.cases, args.seed, rigs=args.rigs, workers=args.workers,
+                progress=progress,
+            )  # fmt: skip
+        left, workers = undiagnosed(root, args.first), args.workers
+        until = begin + args.limit_s
+        failed = _done(
+            _diagnose, [(root, name) for name in left], workers, until,
+            lambda part: progress("diagnosing", part),
+        )  # fmt: skip
+    left = undiagnosed(root, args.first)
+    for name, fault in failed.items():
+        print(f"blind: the diagnosis of {name} failed: {fault}", file=sys.stderr)
+    if left:
+        print(f"blind: {len(left)} cases are without a diagnosis; the same call goes on.")
+        return 1 if failed else 0
+    entries = open_key(root, args.first)["cases"]  # opened from here on
+    shrinks, harms = (None, None) if args.quick else (_known_shrink, _known_harm)
+    with shown(quiet=False) as progress:
+        if not args.quick:
+            asked = [(root, e["case"], e) for e in entries if _on_sealed(root, e)]
+            failed = _done(
+                _predict, asked, workers, until,
+                lambda part: progress("predicting the sealed runs", part),
+            )  # fmt: skip
+            for name, fault in failed.items():
+                print(f"blind: the sealed runs of {name}: {fault}", file=sys.stderr)
+            todo = [task for task in asked if _waits(*task)]
+            if todo and time.monotonic() > until:
+                print(
+                    f"blind: the sealed runs of {len(todo)} cases wait, and shrinks and harm are "
+                    "those of the others; the same call goes on."
+                )
+        scored = score(root, shrinks=shrinks, harms=harms, first=args.first, progress=progress)
+    write_json(args.json or root / "score.json", scored)
+    if others:
+        scored = pool([*others, scored])
+    if args.markdown is not None:
+        write_text(Path(args.markdown), _markdown(scored, args.seed))
+    if args.json != "-":
+        from rich.console import Console
+
+        from trials.table import tables
+
+        Console().print(tables(scored))
+    return 1 if failed else 0
+
+
+def _read(path: str) -> dict[str, Any]:
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as fault:
+        raise InputError(f"{path} is no score of a trial: {fault}.") from fault
+
+
+def _markdown(scored: dict[str, Any], seed: int) -> str:
+    from trials.table import sheets
+
+    parts = [f"{s.title}:\n\n{markdown.table(s.heads, s.rows)}" for s in sheets(scored)]
+    return "\n\n".join([*parts, markdown.circumstances(seed)]) + "\n"
+
+
+def _done(
+    work: Callable[..., None],
+    tasks: Sequence[tuple],
+    workers: int,
+    until: float,
+    progress: Callable[[float], None],
+) -> dict[str, str]:
+    """Each task (root, case, ...) in one of some processes; faults by case."""
+    failed: dict[str, str] = {}
+    progress(0.0)
+    for done, (task, future) in enumerate(
+        over_all_cores(work, tasks, workers, until, last=LAST), start=1
+    ):
+        fault = fault_of(future)
+        if fault is not None:
+            failed[task[1]] = fault
+        progress(done / len(tasks))
+    return failed
+
+
+def _diagnose(root: Path, name: str) -> None:
+    import tp_jax as tp
+    from tp_jax.cli.output import plain, write_json
+    from trials.seal import diagnosis_file
+
+    diagnosis = tp.diagnose(tp.load_campaign(root / name))
+    write_json(diagnosis_file(root, name), plain(diagnosis.to_dict()))
+
+
+def _sealed(root: Path, name: str) -> Path:
+    from trials.seal import diagnosis_file
+
+    return diagnosis_file(root, name).with_name("sealed.json")
+
+
+def _wants_shrink(entry: dict[str, Any]) -> bool:
+    return entry["kind"] in ("one", "two")
+
+
+def _wants_harm(root: Path, entry: dict[str, Any]) -> bool:
+    from trials.harm import asked
+    from trials.seal import read_diagnosis
+
+    return asked(read_diagnosis(root, entry))
+
+
+def _on_sealed(root: Path, entry: dict[str, Any]) -> bool:
+    """Whether the sealed runs of a case are to be predicted."""
+    return _wants_shrink(entry) or _wants_harm(root, entry)
+
+
+def _waits(root: Path, name: str, entry: dict[str, Any]) -> bool:
+    """Whether they have not been, as far as they are to be."""
+    from trials.harm import kept_file
+
+    shrink = _wants_shrink(entry) and not _sealed(root, name).is_file()
+    return shrink or (_wants_harm(root, entry) and not kept_file(root, name).is_file())
+
+
+def _predict(root: Path, name: str, entry: dict[str, Any]) -> None:  # noqa: ARG001
+    from trials.harm import measured_harm
+    from trials.seal import read_diagnosis
+    from trials.sealed_runs import measured
+
+    diagnosis = read_diagnosis(root, entry)
+    if _wants_shrink(entry):
+        measured(root, entry, diagnosis)
+    measured_harm(root, entry, diagnosis)
+
+
+def _known_harm(root: Path, entry: Any, diagnosis: Any) -> dict[str, Any]:
+    """What `_predict` has left of it."""
+    from trials.harm import NOTHING, kept_file, measured_harm
+
+    if not kept_file(root, entry["case"]).is_file():
+        return dict(NOTHING)
+    return measured_harm(root, entry, diagnosis)
+
+
+def _known_shrink(root: Path, entry: Any, diagnosis: Any) -> dict[str, float | None]:
+    """What `_predict` has left; a case in which it failed or that waits is not counted."""
+    if not _sealed(root, entry["case"]).is_file():
+        return {"shrink": None, "best": None}
+    from trials.sealed_runs import measured
+
+    return dict(measured(root, entry, diagnosis))

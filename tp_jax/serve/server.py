@@ -1,0 +1,81 @@
+"""The process: an address of this computer alone, and the page behind it until it is stopped."""
+
+import secrets
+import socket
+from dataclasses import dataclass
+from pathlib import Path
+
+import uvicorn
+
+from tp_jax.errors import InputError
+from tp_jax.serve.app import create_app
+from tp_jax.serve.jobs import Child, diagnosing
+from tp_jax.serve.limits import LIMITS, Limits
+
+HOST = "127.0.0.1"
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A server that listens and does not answer yet.
+
+    Attributes:
+        address: of the page, with its key.
+        port: that it listens at.
+    """
+
+    address: str
+    port: int
+    _listening: socket.socket
+    _server: uvicorn.Server
+
+    def run(self) -> None:
+        """Answers until it is interrupted or told to stop; then a diagnosis that runs ends too."""
+        try:
+            self._server.run(sockets=[self._listening])
+        except KeyboardInterrupt:  # which is how a server ends
+            pass
+        finally:
+            self._listening.close()
+
+    def stop(self) -> None:
+        """Makes `run` return; may be called from another thread."""
+        self._server.should_exit = True
+
+
+def bind(
+    folder: Path, port: int = 0, *, child: Child = diagnosing, limits: Limits = LIMITS
+) -> Bound:
+    """Listens at a port of this computer, so that requests wait until `run` answers them.
+
+    Args:
+        folder: that is served.
+        port: 0 for any that is free.
+        child, limits: as of `create_app`.
+
+    Raises:
+        InputError: the port is taken, or may not be used.
+    """
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    # a port that was served a moment ago is free, though the system waits for late packets
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((HOST, port))
+        listening.listen()
+    except OSError as fault:
+        listening.close()
+        raise InputError(
+            f"Port {port} cannot be used ({(fault.strerror or '').lower()}); give --port another, "
+            "or leave it out for a free one."
+        ) from fault
+    port = listening.getsockname()[1]
+    token = secrets.token_urlsafe(limits.token)
+    app = create_app(
+        folder, token, cookie=f"tp-jax-serve-{port}", child=child, limits=limits
+    )  # fmt: skip
+    config = uvicorn.Config(
+        app, http="h11", ws="none", loop="asyncio", lifespan="on", log_level="warning",
+        access_log=False, server_header=False, timeout_graceful_shutdown=3,
+    )  # fmt: skip
+    address = f"http://{HOST}:{port}/?token={token}"
+    return Bound(address, port, listening, uvicorn.Server(config))
