@@ -19,6 +19,10 @@ EXAMPLES = {
         "tp-jax record --port emulator --duration 10 --omega 13.09 --out run-13.csv",
         "tp-jax record --port emulator --duration 10 --omega 17 --campaign my-rig",
     ),
+    "explore": (
+        "tp-jax explore --port emulator --speed max --rate 250 --campaign my-rig --limit 1.5",
+        "tp-jax explore --port /dev/ttyACM0 --campaign my-rig --omega 5:20 --runs 6",
+    ),
     "init": ("tp-jax init my-rig",),
     "check": (
         "tp-jax check my-rig --figure check.png",

@@ -31,6 +31,21 @@ def check_campaign(folder: Path) -> None:
         raise InputError(f"Cannot write to {folder}: permission denied.")
 
 
+def entries_of(folder: Path) -> list[dict[str, Any]]:
+    """The [[recording]] tables of the folder's campaign.toml, in order; none where it has none.
+
+    InputError where it cannot be read.
+    """
+    file = folder / CAMPAIGN
+    if not file.exists():
+        return []
+    try:
+        found = _toml(_read(file)).get("recording", [])
+    except (ValueError, RecursionError) as fault:
+        raise InputError(f"{file} is not TOML: {fault}.") from fault
+    return [each for each in found if isinstance(each, dict)] if isinstance(found, list) else []
+
+
 def free_name(folder: Path, omega: float | None) -> Path:
     """A file that is not there yet: run-13.09.csv, run-13.09-2.csv, ...; decay.csv, ..."""
     stem = f"run-{omega:g}" if omega else "decay"

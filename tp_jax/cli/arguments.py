@@ -122,6 +122,17 @@ frequency = up_to(non_negative, FASTEST_DRIVE, "rad/s")
 frequency_above_zero = up_to(positive, FASTEST_DRIVE, "rad/s")
 
 
+def frequencies(text: str) -> tuple[float, float]:
+    """MIN:MAX, frequencies of a drive [rad/s]."""
+    low, colon, high = text.partition(":")
+    if not colon:
+        raise argparse.ArgumentTypeError(f"must have the form MIN:MAX, but is {_short(text)!r}")
+    span = frequency_above_zero(low), frequency_above_zero(high)
+    if span[0] > span[1]:
+        raise argparse.ArgumentTypeError(f"must rise from MIN to MAX, but is {_short(text)!r}")
+    return span
+
+
 def starts(text: str) -> int:
     """A number of starts."""
     return whole(text, least=1, most=MOST_STARTS)

@@ -25,7 +25,7 @@ from tp_jax.cli.rig import add_rig, rig_arguments
 from tp_jax.errors import InputError
 
 if TYPE_CHECKING:
-    from tp_jax.acquisition.run_log import Recorded
+    from tp_jax.acquisition.run_log import Recorded, Settings
 
 EMULATOR = "emulator"
 
@@ -51,12 +51,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "goes beside it, to FILE.csv.meta.json. Without --omega and --release the motor stands "
         "still. Ctrl-C ends a recording early and keeps it.",
     )
-    parser.add_argument(
-        "--port",
-        metavar="PORT",
-        required=True,
-        help=f"/dev/ttyACM0, COM3, ...; {EMULATOR}: the virtual rig",
-    )
+    add_port(parser)
     parser.add_argument(
         "--duration", metavar="S", type=seconds, required=True, help="seconds of the run"
     )
@@ -71,6 +66,25 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     run.add_argument(
         "--release", metavar="X", type=angle, help="let it go at X rad, the motor at neutral"
     )
+    add_line(parser)
+    add_rig(parser)
+    add_json(parser)
+    add_common(parser)
+    parser.set_defaults(run=run_record)
+
+
+def add_port(parser: argparse.ArgumentParser) -> None:
+    """--port; `tp-jax explore` has it too."""
+    parser.add_argument(
+        "--port",
+        metavar="PORT",
+        required=True,
+        help=f"/dev/ttyACM0, COM3, ...; {EMULATOR}: the virtual rig",
+    )
+
+
+def add_line(parser: argparse.ArgumentParser) -> None:
+    """How the rig at the port is spoken to; `tp-jax explore` takes the same."""
     parser.add_argument(
         "--amplitude",
         metavar="A",
@@ -91,36 +105,16 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--reconnect", metavar="S", type=up_to(positive, LONGEST_WAIT, "s"), default=30.0,
         help="seconds to wait for a rig that was unplugged (30)",
     )  # fmt: skip
-    add_rig(parser)
-    add_json(parser)
-    add_common(parser)
-    parser.set_defaults(run=run_record)
 
 
 def run_record(args: argparse.Namespace) -> None:
     from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name, unusable
-    from tp_jax.acquisition.port import Port
-    from tp_jax.acquisition.recorder import check, record, uninterrupted
-    from tp_jax.acquisition.run_log import Settings
-    from tp_jax.cli.live import live
+    from tp_jax.acquisition.recorder import check, uninterrupted
     from tp_jax.cli.output import made_folder, ready, write_json
-    from tp_jax.recordings.calibration import read_calibration
 
-    virtual = args.port == EMULATOR
-    if not virtual:
-        _check_no_rig(args)
-    settings = Settings(
-        duration=args.duration,
-        omega=args.omega,
-        amplitude=args.amplitude,
-        release=args.release,
-        calibration=None if args.calibration is None else read_calibration(args.calibration),
-        patience=args.patience,
-        reconnect=args.reconnect,
-        # a simulator that is to be faster may fall behind, which is no skew of a clock
-        real_time=not virtual or (args.speed is not None and args.speed <= 1.0),
-        command=_command(),
-    )
+    if args.port != EMULATOR:
+        check_no_rig(args)
+    settings = settings_of(args, omega=args.omega, release=args.release)
     # all that can be wrong is told before the rig moves
     ready(args.json)
     if args.campaign is None:
@@ -134,14 +128,7 @@ def run_record(args: argparse.Namespace) -> None:
         out = free_name(folder, args.omega)
         check(out, settings)
 
-    if virtual:
-        # another recording of the same rig has other noise, the same one again the same
-        args.seed = zlib.crc32(f"{args.seed} {out.name}".encode())
-    with _port(args) as name, live(quiet=args.quiet) as progress:
-        faster = args.speed if virtual and args.speed is not None else 1.0
-        port = Port(name, args.baud, lambda: faster * time.monotonic())
-        recorded = record(port, out, settings, progress=progress)
-
+    recorded = recorded_at(args, out, settings)
     with uninterrupted():
         unfit = None if folder is None else unusable(folder, recorded)
         if folder is not None and unfit is None:
@@ -161,6 +148,50 @@ def run_record(args: argparse.Namespace) -> None:
         raise KeyboardInterrupt
     if said:
         raise InputError(" ".join(said))
+
+
+def settings_of(
+    args: argparse.Namespace, *, omega: float | None, release: float | None
+) -> "Settings":
+    """The settings of a run, of the arguments of `add_line` and --duration.
+
+    omega: of the drive [rad/s]; release: angle from which the column is let go [rad].
+    """
+    from tp_jax.acquisition.run_log import Settings
+    from tp_jax.recordings.calibration import read_calibration
+
+    return Settings(
+        duration=args.duration,
+        omega=omega,
+        amplitude=args.amplitude,
+        release=release,
+        calibration=None if args.calibration is None else read_calibration(args.calibration),
+        patience=args.patience,
+        reconnect=args.reconnect,
+        # a simulator that is to be faster may fall behind, which is no skew of a clock
+        real_time=args.port != EMULATOR or (args.speed is not None and args.speed <= 1.0),
+        command=_command(),
+    )
+
+
+def recorded_at(args: argparse.Namespace, out: Path, settings: "Settings") -> "Recorded":
+    """Records a run at the port of the arguments, and shows it on a terminal.
+
+    out: the file, not there yet.
+    """
+    from tp_jax.acquisition.port import Port
+    from tp_jax.acquisition.recorder import record
+    from tp_jax.cli.live import live
+
+    virtual = args.port == EMULATOR
+    if virtual:
+        # another recording of the same rig has other noise, the same one again the same
+        seed = zlib.crc32(f"{args.seed} {out.name}".encode())
+        args = argparse.Namespace(**{**vars(args), "seed": seed})
+    with _port(args) as name, live(quiet=args.quiet) as progress:
+        faster = args.speed if virtual and args.speed is not None else 1.0
+        port = Port(name, args.baud, lambda: faster * time.monotonic())
+        return record(port, out, settings, progress=progress)
 
 
 def summary(recorded: "Recorded") -> str:
@@ -228,7 +259,7 @@ def _port(args: argparse.Namespace) -> Iterator[str]:
                 stream.close()
 
 
-def _check_no_rig(args: argparse.Namespace) -> None:
+def check_no_rig(args: argparse.Namespace) -> None:
     """Nothing may be said of the virtual rig where a real one is recorded: it would not be so."""
     parser = argparse.ArgumentParser()
     add_rig(parser)

@@ -10,10 +10,11 @@ import numpy as np
 
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
 from tp_jax.gap.applicability import check_predictable
 from tp_jax.gap.assemble import assemble
+from tp_jax.gap.choice import Choice
 from tp_jax.gap.known_noise import choose_under_noise
 from tp_jax.recordings import Campaign, hold_out
 
@@ -43,6 +44,18 @@ class Diagnosis:
     def to_dict(self) -> dict[str, Any]:
         """The result as plain numbers, lists and strings."""
         return self.result
+
+
+@dataclasses.dataclass(frozen=True)
+class Examination:
+    """A diagnosis with the fits it rests on.
+
+    setting, choice: of the diagnosis; result: as in diagnosis.json.
+    """
+
+    setting: Setting
+    choice: Choice
+    result: dict[str, Any]
 
 
 def _silent(stage: str, fraction: float | None) -> None:
@@ -78,6 +91,24 @@ def diagnose(
         A `Diagnosis`. The choice of causes uses the fitted recordings alone; the held-out ones
         are read once, after it.
     """
+    examination = examine(
+        campaign, model=model, seed=seed, tolerance=tolerance, progress=progress,
+        checkpoint=checkpoint, resume=resume,
+    )  # fmt: skip
+    return Diagnosis(examination.result)
+
+
+def examine(
+    campaign: Campaign,
+    *,
+    model: str = "newton",
+    seed: int = 0,
+    tolerance: float = 0.0,
+    progress: Callable[[str, float | None], None] | None = None,
+    checkpoint: str | Path | None = None,
+    resume: bool = False,
+) -> Examination:
+    """As `diagnose`, with the fits beside the result, for whoever asks them further."""
     begin = time.perf_counter()
     progress = progress or _silent
     progress("preparing the recordings", None)
@@ -86,21 +117,21 @@ def diagnose(
         checkpoint, resume, campaign, {"model": model, "seed": seed, "tolerance": tolerance}
     )
     with keeping(kept):
-        result = _result(campaign, model, seed, tolerance, progress)
+        setting, choice, result = _result(campaign, model, seed, tolerance, progress)
     result["provenance"] = {
         "version": __version__,
         "seed": seed,
         "data_sha256": campaign.data_sha256,
         "wall_s": round(time.perf_counter() - begin, 2),
     }
-    return Diagnosis(result)
+    return Examination(setting, choice, result)
 
 
 def _result(
     campaign: Campaign, model: str, seed: int, tolerance: float,
     progress: Callable[[str, float | None], None],
-) -> dict[str, Any]:  # fmt: skip
-    """The result without its provenance; the arguments are those of `diagnose`."""
+) -> tuple[Setting, Choice, dict[str, Any]]:  # fmt: skip
+    """The fits, and the result without its provenance; the arguments are those of `diagnose`."""
     setting = prepare_campaign(campaign, model=model)
     check_predictable(setting)
     setting.problem(setting.horizons[0]).compile_ahead(frozenset())
@@ -112,4 +143,4 @@ def _result(
         )
     setting, choice = choose_under_noise(setting, baseline, seed, progress)
     progress("reading the held-out recordings", None)
-    return assemble(setting, choice, seed, tolerance)
+    return setting, choice, assemble(setting, choice, seed, tolerance)

@@ -1,14 +1,14 @@
 """The next experiment: which run would tell two effects apart that these data cannot."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.windows import Prepared, cut
@@ -32,27 +32,26 @@ class Proposal:
     expected_sigma: float
 
 
-def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None:
-    """The best of a few sine runs; None where the drive is measured or no sine can be set."""
-    omegas = [r.omega for r in setting.recordings if r.forced and r.omega]
-    if not setting.sine or not omegas:
-        return None
-    grid = np.unique(np.round(np.linspace(0.7 * min(omegas), 1.15 * max(omegas), 6), 2))
-    step = float(np.median(np.diff(setting.prepared[0].t)))
-    t = np.arange(0.0, DURATION + 0.5 * step, step)
-    table = []
-    for omega in grid:
-        column = fit.values.table[:, setting.fitted[-1]].copy()
-        index = setting.layout.index
-        column[index["omega"]], column[index["running"]], column[index["metered"]] = omega, 1.0, 0.0
-        column[index["drift_middle"]], column[index["drift_rate"]] = 0.5 * DURATION, 1.0 / DURATION
-        table.append(column)
-    values = Values(setting.layout, np.array(table).T)
+def rehearsal(
+    setting: Setting, fit: Fit, duration: float
+) -> Callable[[Sequence[np.ndarray | None]], Problem]:
+    """Makes problems of runs that were not made: from their readings, windows as those of a fit.
 
-    def problem_of(readings: Sequence[np.ndarray]) -> Problem:
-        sd = np.concatenate([np.tile(setting.sigma, (t.size, 1)), np.ones((t.size, 2))], axis=1)
+    Args:
+        setting: whose sampling, noise and programs they have. fit: whose windows are as long.
+        duration: of every run [s].
+
+    Returns:
+        readings (n, 2) [rad] of each run, None: zeros -> a `Problem` of those runs.
+    """
+    step = float(np.median(np.diff(setting.prepared[0].t)))
+    t = np.arange(0.0, duration + 0.5 * step, step)
+    sd = np.concatenate([np.tile(setting.sigma, (t.size, 1)), np.ones((t.size, 2))], axis=1)
+
+    def problem_of(readings: Sequence[np.ndarray | None]) -> Problem:
         prepared = []
-        for y in readings:
+        for given in readings:
+            y = np.zeros((t.size, 2)) if given is None else given
             smooth = np.concatenate([y, np.gradient(y, t, axis=0)], axis=1)
             channels = np.array([True, setting.rider])
             prepared.append(Prepared(t, y, channels, smooth, sd, None, sigma=setting.sigma))
@@ -63,7 +62,25 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
             setting.fixed["B1"], programs=setting.programs,
         )  # fmt: skip
 
-    nothing = problem_of([np.zeros((t.size, 2))] * grid.size)
+    return problem_of
+
+
+def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None:
+    """The best of a few sine runs; None where the drive is measured or no sine can be set."""
+    omegas = [r.omega for r in setting.recordings if r.forced and r.omega]
+    if not setting.sine or not omegas:
+        return None
+    grid = np.unique(np.round(np.linspace(0.7 * min(omegas), 1.15 * max(omegas), 6), 2))
+    table = []
+    for omega in grid:
+        column = fit.values.table[:, setting.fitted[-1]].copy()
+        index = setting.layout.index
+        column[index["omega"]], column[index["running"]], column[index["metered"]] = omega, 1.0, 0.0
+        column[index["drift_middle"]], column[index["drift_rate"]] = 0.5 * DURATION, 1.0 / DURATION
+        table.append(column)
+    values = Values(setting.layout, np.array(table).T)
+    problem_of = rehearsal(setting, fit, DURATION)
+    nothing = problem_of([None] * grid.size)
     problem = problem_of(nothing.follow(values, range(grid.size), np.zeros((grid.size, 4))))
     windows = problem.windows
     base = [u for u in fit.unknowns if u.recording is None]

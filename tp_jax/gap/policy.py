@@ -173,6 +173,53 @@ class HorizonPolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class ExplorePolicy:
+    """Which run is recorded next, and when another one is not worth it.
+
+    Attributes:
+        probability: of the first cause from which it counts as known: odds of nineteen to one.
+        rival: probability from which another effect counts as a rival: five such effects together
+            could keep the first cause from `probability`.
+        rivals: effects at most from which a run is to tell the first cause; each costs a
+            linearisation of all runs that may come next.
+        log_evidence: expected difference of log evidences [nat] below which a run is not worth
+            recording: it would turn even odds into nineteen to one, about `probability`.
+        enough: difference [nat] beyond which more does not count: a rival with one chance in four
+            hundred needs no further run.
+        survey: runs before "nothing is left" is believed, and before any run is refused: a decay,
+            and drives at two frequencies, since many effects show in one of them alone.
+        margin: part of the limit up to which predicted angles are allowed; the model that predicts
+            them lacks something still.
+        frequencies: of the drive that are compared, and
+        releases: angles of a free decay that are compared; so many that their forecasts take a few
+            seconds.
+        slowest, fastest: frequencies of the drive, of the natural frequency of both bodies
+            together: the rider slides about resonance, and rests on the column far from it.
+        least_release, largest_release: of a free decay [rad]: most riders stay in place below, and
+            angles beyond leave the range in which two bridges tell the quarter turns.
+        first_release: of the first decay [rad], from which most riders slide.
+        longer: times a run's duration up to which a longer run is advised; motors and sensors warm
+            up in longer ones.
+    """
+
+    probability: float = 0.95
+    rival: float = 0.01
+    rivals: int = 3
+    log_evidence: float = 3.0
+    enough: float = 6.0
+    survey: int = 3
+    margin: float = 0.9
+    frequencies: int = 8
+    releases: int = 5
+    slowest: float = 0.4
+    fastest: float = 1.35
+    least_release: float = 0.2
+    largest_release: float = 1.2
+    first_release: float = 0.6
+    longer: float = 20.0
+
+
+@dataclasses.dataclass(frozen=True)
 class Policy:
     """All of them."""
 
@@ -183,6 +230,7 @@ class Policy:
     verdict: VerdictPolicy = VerdictPolicy()
     noise: NoisePolicy = NoisePolicy()
     horizon: HorizonPolicy = HorizonPolicy()
+    explore: ExplorePolicy = ExplorePolicy()
 
 
 POLICY = Policy()

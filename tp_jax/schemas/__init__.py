@@ -6,4 +6,5 @@ diagnosis      diagnosis.json
 starts         a search to go on from
 recording      FILE.csv.meta.json
 calibration    a calibration of the sensors, as TOML
+exploring      what an exploration goes on from
 """
