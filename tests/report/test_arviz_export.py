@@ -1,6 +1,5 @@
 """Draws for ArviZ have the intervals and the correlations of the fit."""
 
-import builtins
 import importlib
 import warnings
 
@@ -98,14 +97,10 @@ def test_nothing_to_draw(arviz):
 
 
 def test_without_arviz_it_says_what_to_install(monkeypatch):
-    real = builtins.__import__
+    def missing(name):
+        raise ImportError(name)
 
-    def missing(name, *rest):
-        if name.startswith("arviz"):
-            raise ImportError(name)
-        return real(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", missing)
+    monkeypatch.setattr("tp_jax.report.arviz_export.import_module", missing)
     with pytest.raises(InputError, match="pip install arviz") as refused:
         to_arviz(FOUND)
     assert str(refused.value).count(".") == 1

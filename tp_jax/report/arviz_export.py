@@ -7,6 +7,8 @@ peak (a friction that may be zero, a ridge) is as good as the intervals are.
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
+from importlib import import_module
 from typing import Any, Protocol
 
 import numpy as np
@@ -92,21 +94,13 @@ def to_arviz(
 
 
 def _arviz() -> Any:
-    try:
-        import arviz
-
-        return arviz
-    except ImportError:
-        pass
-    try:
-        import arviz_base
-
-        return arviz_base
-    except ImportError as missing:
-        raise InputError(
-            "The export needs ArviZ, which is not installed: pip install arviz (or arviz-base, "
-            "without its plots)."
-        ) from missing
+    for name in ("arviz", "arviz_base"):
+        with suppress(ImportError):
+            return import_module(name)
+    raise InputError(
+        "The export needs ArviZ, which is not installed: pip install arviz (or arviz-base, without "
+        "its plots)."
+    )
 
 
 def _is_determined(p: Mapping[str, Any]) -> bool:
