@@ -87,12 +87,13 @@ FORBIDDEN = {
 #: Not there on every machine: extras of the package, and what some systems lack.
 OPTIONAL = {
     "openpyxl", "h5py", "pyarrow", "nptdms", "mcap", "mcap_ros2", "pandas",
-    "zstandard", "compression", "tty", "serial.tools.list_ports",
+    "zstandard", "compression", "tty", "serial.tools.list_ports", "starlette", "uvicorn",
+    "arviz", "arviz_base", "tp_jax.serve.server",
 }  # fmt: skip
 #: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
 WITH_JAX = {"jax", "diffrax", "tp_jax.simulation.rodas4", "tp_jax.simulation.reversal_controller"}
 #: Slow to load, and of use to one step of a program only.
-SLOW = {"scipy", "matplotlib", "rich", "jinja2", "markupsafe", "SALib", "jsonschema"}
+SLOW = {"webbrowser", "scipy", "matplotlib", "rich", "jinja2", "markupsafe", "SALib", "jsonschema"}
 
 DATA = {"examples"}
 MODULES = [

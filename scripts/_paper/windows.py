@@ -10,7 +10,7 @@ import numpy as np
 from scripts._paper.nelder_mead import Searched
 from scripts._paper.objective import ORDER, Objective
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.problem import Problem
 from tp_jax.recordings import Campaign, Recording
 

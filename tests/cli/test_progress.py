@@ -21,18 +21,6 @@ def test_silent_elsewhere(capsys):
     assert told.out == told.err == ""
 
 
-def test_lines_for_a_program(capsys):
-    with shown(quiet=True, lines=True) as progress:
-        progress("fitting windows of 0.5 s", 0.5)
-        progress("polishing φ", None)
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert [json.loads(line) for line in told.err.splitlines()] == [
-        {"stage": "fitting windows of 0.5 s", "part": 0.5},
-        {"stage": "polishing φ", "part": None},
-    ]
-
-
 def test_shown_on_a_terminal(monkeypatch):
     leader, follower = pty.openpty()
     with open(follower, "w") as terminal:
@@ -121,7 +109,7 @@ def test_clock(seconds, told):
     assert clock(seconds) == told
 
 
-@pytest.mark.parametrize("command", ["diagnose c", "identify c", "sensitivity c", "blind make d"])
+@pytest.mark.parametrize("command", ["diagnose c", "identify c", "sensitivity c"])
 def test_long_commands_take_it(command):
     args = build_parser().parse_args([*command.split(), "--progress", "json"])
     assert args.progress == "json"

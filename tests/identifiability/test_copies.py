@@ -47,7 +47,7 @@ def test_holding_costs(found):
 
 
 def test_information_is_that_of_the_fit(fit, found):
-    from tp_jax.estimation.least_squares import parameter
+    from tp_jax.estimation.fitted import parameter
 
     slope = np.array(
         [parameter(fit.problem, u).slope(fit.values.get(u.name)) for u in fit.unknowns]

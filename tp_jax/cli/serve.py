@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import webbrowser
 from pathlib import Path
 
 from tp_jax.cli.arguments import add_common, whole
@@ -61,10 +62,10 @@ def run(args: argparse.Namespace) -> None:
         if not args.quiet:
             print(f"This page is of the folder {folder}; Ctrl-C ends it.", flush=True)
         if not args.no_browser:
-            import webbrowser
-
             webbrowser.open(bound.address)
         bound.run()
+    except KeyboardInterrupt:  # between the address and the server's own watch for it
+        pass
     finally:
         if new:
             with contextlib.suppress(OSError):

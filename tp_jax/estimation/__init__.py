@@ -5,6 +5,7 @@ layout, program, windows, problem    what is estimated, and its one compiled lin
 start, period, baseline              a start from the data, windows that grow
 weak_form                            a better start: no derivatives of the data (modulating,
                                      compensated)
+fitted                               where a fit ended, and its priors
 elimination, least_squares           Gauss-Newton over unknowns and window states together
 variable_projection                  the same with the states projected out (window_states,
                                      bounded_step); robust losses (robust)
@@ -15,7 +16,7 @@ free_runs                            the paper's objective (17), of many sets of
 simplex, nelder_mead                 the paper's method, for optimistix, from one simplex or many;
                                      free_run_search: on (17)
 starts, ladder, multistart           from where, over which horizons, who met whom (optima, outcome)
-success, checkpoint                  how often it works and what it costs; going on after Ctrl-C
+success, checkpoint, kept_fits       how often it works and what it costs; going on after Ctrl-C
 assemble                             a pendulum from the numbers of a fit
 methods, identify, identification    all of it for a user
 """

@@ -90,7 +90,7 @@ def pendulum(
         for id, numbers in record["effects"].items()
     )
     nuisances = record["nuisances"]
-    shared = dict(
+    shared: dict[str, Any] = dict(
         drive=drive,
         spring=LinearSpring(p["k"]),
         bearing=Bearing(p["c1"], p["M1"], eps),

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from tp_jax.effects import Effect, catalogue
+from tp_jax.estimation.fitted import Anchor, Fit
 from tp_jax.estimation.layout import Layout, Unknown, Values, is_from_outside
-from tp_jax.estimation.least_squares import Anchor, Fit
 from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.period import horizons_of, typical_period
 from tp_jax.estimation.problem import Problem, room, sample_capacity
@@ -311,7 +311,7 @@ def grow(
         eps = setting.eps if last else float(ladder[i])
         values = values.replace({"eps1": eps, "eps2": eps})
         states = None if result is None else handed_on(result, problem)
-        how = dict(
+        how: dict[str, Any] = dict(
             bounds=setting.bounds, anchors=[a for a in setting.anchors() if a.unknown in unknowns],
             max_iterations=max_iterations, relative=1e-3 if i + 1 < len(horizons) else 1e-7,
         )  # fmt: skip

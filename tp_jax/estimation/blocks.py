@@ -7,7 +7,7 @@ are not.
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 
 BLOCK = 2.0  # periods of the motion, so that a rig's time scale changes nothing
 

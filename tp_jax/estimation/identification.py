@@ -8,7 +8,7 @@ import numpy as np
 
 from tp_jax._digits import digits_of
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.multistart import Trial
 from tp_jax.model.parameters import BASE
 

@@ -13,6 +13,7 @@ from tp_jax.errors import InputError
 from tp_jax.estimation import methods
 from tp_jax.estimation.baseline import Setting, prepare_campaign
 from tp_jax.estimation.checkpoint import Checkpoint
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.free_run_search import ITERATIONS
 from tp_jax.estimation.free_run_trials import search_free_runs
 from tp_jax.estimation.identification import (
@@ -23,7 +24,6 @@ from tp_jax.estimation.identification import (
 )
 from tp_jax.estimation.intervals import correlations
 from tp_jax.estimation.ladder import Ladder, Objective
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.multistart import Trial, search
 from tp_jax.estimation.noise_levels import fitted_noise, with_noise
 from tp_jax.estimation.optimistix_methods import Solver

@@ -5,7 +5,7 @@ import numpy as np
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
-from tp_jax.estimation.least_squares import Fit, parameter
+from tp_jax.estimation.fitted import Fit, parameter
 
 NOISE = 1.1  # chi2/dof that noise may have, whose level is an estimate
 CHANCE = 0.01  # that blocks of noise scatter so much that it counts as more

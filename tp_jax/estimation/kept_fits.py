@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,12 +25,10 @@ from tp_jax._stored import source_digest
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation.checkpoint import FITS, Checkpoint
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.problem import Problem
 from tp_jax.recordings import Campaign
-
-if TYPE_CHECKING:
-    from tp_jax.estimation.least_squares import Fit  # whose fitter is wrapped here
 
 log = logging.getLogger(__name__)
 
@@ -38,7 +36,7 @@ WRITE_EVERY = 3.0
 """Seconds between two writes: so much is lost at the most, and a file of megabytes is not written
 for each of a hundred fits that take a tenth of a second."""
 
-Fitter = Callable[..., "Fit"]
+Fitter = Callable[..., Fit]
 
 
 class KeptFits:
@@ -58,7 +56,7 @@ class KeptFits:
     def fit(
         self, fitter: Fitter, problem: Problem, values: Values, unknowns: Sequence[Unknown],
         states: np.ndarray | None, options: Mapping[str, Any],
-    ) -> "Fit":  # fmt: skip
+    ) -> Fit:  # fmt: skip
         """The fit, looked up where it was kept, done and kept otherwise."""
         name = _digest(fitter, problem, values, unknowns, states, options)
         known = self.checkpoint.done.get(name) or self._new.get(name)
@@ -105,7 +103,7 @@ def taken_or_done(fitter: Fitter) -> Fitter:
     def fit(
         problem: Problem, values: Values, unknowns: Sequence[Unknown],
         states: np.ndarray | None = None, **options: Any,
-    ) -> "Fit":  # fmt: skip
+    ) -> Fit:  # fmt: skip
         kept = _current.get()
         if kept is None:
             return fitter(problem, values, unknowns, states, **options)
@@ -187,7 +185,7 @@ def _digest(
     return digest.hexdigest()
 
 
-def _record(found: "Fit", programs: Sequence[frozenset[str]]) -> dict[str, Any]:
+def _record(found: Fit, programs: Sequence[frozenset[str]]) -> dict[str, Any]:
     """A fit's end as JSON can hold it; programs: those that it was the first to need."""
     return {
         "x": _packed(found.values.pick(found.unknowns)), "states": _packed(found.states),
@@ -200,7 +198,7 @@ def _record(found: "Fit", programs: Sequence[frozenset[str]]) -> dict[str, Any]:
 def _restored(
     record: Mapping[str, Any], fitter: Fitter, problem: Problem, values: Values,
     unknowns: Sequence[Unknown], options: Mapping[str, Any],
-) -> "Fit | None":  # fmt: skip
+) -> Fit | None:  # fmt: skip
     """The fit of a record; None where it is not what the fit ended with."""
     x, states = _unpacked(record["x"]), _unpacked(record["states"])
     if x.size != len(unknowns) or states.size != 4 * problem.windows.n:
@@ -218,7 +216,7 @@ def _restored(
     )  # fmt: skip
 
 
-def _ends_at(found: "Fit") -> str:
+def _ends_at(found: Fit) -> str:
     """SHA-256 of the linearisation where a fit ended."""
     digest = hashlib.sha256(np.ascontiguousarray(found.linearisation.r).tobytes())
     for array in (found.eliminated.g, found.eliminated.H):

@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting, handed_on
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.sharpen import FINELY

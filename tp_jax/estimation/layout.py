@@ -7,6 +7,7 @@ So one compiled program serves the baseline and every effect.
 import dataclasses
 import functools
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -191,7 +192,7 @@ class Layout:
             for e in self.effects
             if ids is None or e.id in ids
         )
-        shared = dict(
+        shared: dict[str, Any] = dict(
             drive=drive,
             spring=LinearSpring(v["k"]),
             bearing=Bearing(v["c1"], v["M1"], v["eps1"]),

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.windows import prepare
 from tp_jax.recordings import Colour
 from tp_jax.recordings.noise import quantum

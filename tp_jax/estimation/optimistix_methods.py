@@ -19,8 +19,8 @@ from jaxtyping import Array, Float, Int
 
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Anchor, Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Anchor, Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from tp_jax.errors import InputError
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import Fit, parameter
 
 
 @dataclasses.dataclass(frozen=True)

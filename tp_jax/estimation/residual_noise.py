@@ -22,7 +22,7 @@ import numpy as np
 from scipy import optimize
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide, with_noise
 from tp_jax.recordings import Colour, Recording, noise_levels, same_rate
 from tp_jax.recordings.colour import limits

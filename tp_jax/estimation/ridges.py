@@ -12,8 +12,8 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.intervals import intervals
-from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.robust import Loss
 from tp_jax.estimation.variable_projection import fit as fit_projected
 

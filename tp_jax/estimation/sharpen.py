@@ -16,7 +16,7 @@ import logging
 import numpy as np
 
 from tp_jax.estimation.baseline import PATIENCE, Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.simulation.lanes import Tolerances
 

@@ -16,9 +16,10 @@ import numpy as np
 
 from tp_jax.estimation.bounded_step import LONGEST_LOG, bounded_step
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Anchor, Fit, parameter
 from tp_jax.estimation.kept_fits import taken_or_done
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, Fit, parameter
+from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust

@@ -11,8 +11,8 @@ import dataclasses
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
 from tp_jax.gap.backward import without
 from tp_jax.gap.choice import Choice, tied_by_gain

@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.crossvalidation import left_out_cost
 from tp_jax.gap.held_out import HeldOut

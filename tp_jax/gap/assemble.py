@@ -7,8 +7,8 @@ import numpy as np
 
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import correlations, intervals
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import tables
 from tp_jax.gap.acceptance import (
     errors,

@@ -14,7 +14,7 @@ import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import Linearisation, spread
 from tp_jax.estimation.linearisation import columns as slots_of
 

@@ -13,8 +13,8 @@ import dataclasses
 
 import numpy as np
 
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Fit, parameter
 
 FOLDS = 5
 NUISANCES = ("zero1", "zero2", "phase")

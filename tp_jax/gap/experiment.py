@@ -7,8 +7,8 @@ import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.windows import Prepared, cut

@@ -19,8 +19,8 @@ import numpy as np
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.diagnosis import Examination

@@ -26,7 +26,7 @@ import numpy as np
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import spread
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.gap import calibration

@@ -19,8 +19,8 @@ import numpy as np
 
 from tp_jax.effects import Amplitude, Effect, Shape
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Layout, Values
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import Problem
 from tp_jax.model.elementary import sine
 

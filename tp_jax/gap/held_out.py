@@ -12,8 +12,8 @@ from scipy.linalg import matmul_toeplitz
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.elimination import scaled_inverse
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.residual_noise import with_residual_noise
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.choice import Choice, choose

@@ -14,8 +14,8 @@ import numpy as np
 
 from tp_jax.estimation.baseline import Setting, handed_on
 from tp_jax.estimation.elimination import scaled_inverse
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.problem import room
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.window_states import of_windows

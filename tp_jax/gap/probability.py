@@ -26,7 +26,7 @@ from scipy.special import softmax
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.backward import Tested
 from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.directions import Variant

@@ -8,8 +8,8 @@ import numpy as np
 
 from tp_jax.effects import Effect
 from tp_jax.estimation.baseline import Setting, handed_on
+from tp_jax.estimation.fitted import Anchor, Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import Anchor, Fit, parameter
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.sharpen import sharpened
 from tp_jax.estimation.variable_projection import fit

@@ -11,7 +11,7 @@ import dataclasses
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.estimation.problem import Problem
 from tp_jax.recordings.noise import quantum

@@ -19,7 +19,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.least_squares import Fit, parameter
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not

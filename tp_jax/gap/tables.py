@@ -7,8 +7,8 @@ import numpy as np
 
 from tp_jax.effects import catalogue
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.choice import Choice

@@ -12,8 +12,9 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Anchor, parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import MAX_STATE_STEP, Anchor, parameter
+from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.windows import Windows

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.least_squares import Fit, parameter
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.identifiability.null_directions import Direction
 from tp_jax.model.parameters import NUISANCES
 

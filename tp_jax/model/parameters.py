@@ -5,7 +5,7 @@ a natural rate), since only their ratios act on the motion.
 """
 
 import dataclasses
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -75,8 +75,8 @@ class Parameter:
 
 REFERENCE_B1 = 1.0e-3  # kg m^2, the size of rig for which the bounds below are written
 
-_TORQUE = dict(unit="N m", per_inertia=True)
-_VISCOUS = dict(unit="N m s/rad", per_inertia=True)
+_TORQUE: dict[str, Any] = dict(unit="N m", per_inertia=True)
+_VISCOUS: dict[str, Any] = dict(unit="N m s/rad", per_inertia=True)
 
 #: The physical parameters of equations (3b), (5), (6) and (16), in the order of Listing 1 where
 #: they stand there.

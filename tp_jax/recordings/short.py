@@ -30,18 +30,18 @@ def short(thing: Any) -> str:
     return repr(thing)
 
 
-def short_fields(thing: Any) -> str:
+def short_fields(self: Any) -> str:
     """For `__repr__` of a dataclass: its fields, those left out that are as they are by default."""
     told = []
-    for field in dataclasses.fields(thing):
-        value = getattr(thing, field.name)
+    for field in dataclasses.fields(self):
+        value = getattr(self, field.name)
         default = field.default
         if field.default_factory is not dataclasses.MISSING:
             default = field.default_factory()
         plain = default is not dataclasses.MISSING and not isinstance(value, np.ndarray)
         if not (plain and value == default):
             told.append(f"{field.name}={short(value)}")
-    return f"{type(thing).__name__}({', '.join(told)})"
+    return f"{type(self).__name__}({', '.join(told)})"
 
 
 def _more(thing: Any) -> str:

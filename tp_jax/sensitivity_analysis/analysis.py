@@ -10,8 +10,8 @@ import numpy as np
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
-from tp_jax.estimation.least_squares import Fit
 from tp_jax.estimation.sharpen import sharpened
 from tp_jax.identifiability.design import UNKNOWNS, Design, designs_of
 from tp_jax.identifiability.information import information

@@ -40,7 +40,7 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
 
 def _starts(setting: Any, number: int) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
     """Starts (number, u) within a third of the rig's numbers, and the bounds of its unknowns."""
-    from tp_jax.estimation.least_squares import parameter
+    from tp_jax.estimation.fitted import parameter
 
     from .. import campaign as rig
 
