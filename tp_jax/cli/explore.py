@@ -11,6 +11,7 @@ from tp_jax.cli.arguments import (
     LARGEST_ANGLE,
     add_common,
     add_json,
+    add_progress,
     count,
     frequencies,
     load,
@@ -87,6 +88,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     add_line(parser)
     add_rig(parser)
     add_json(parser)
+    add_progress(parser)
     add_common(parser)
     parser.set_defaults(run=run_explore)
 
@@ -169,7 +171,7 @@ def _diagnoser(args: argparse.Namespace, limits: "Limits") -> "Callable[[Path], 
 
         campaign = load(argparse.Namespace(omega=None, decay=False), folder)
         amplitude = args.amplitude or announced_amplitude(folder)
-        with shown(quiet=args.quiet) as progress:
+        with shown(quiet=args.quiet, form=args.progress) as progress:
             examination = examine(campaign, seed=args.seed, progress=progress)
             progress("comparing runs", None)
             found = outlook(examination, limits, args.duration, amplitude)
