@@ -24,7 +24,7 @@ import jax
 import jaxlib
 from jax import export
 
-from tp_jax import _processor
+from tp_jax import _compiling, _processor
 from tp_jax._compiler import compiler_options, loops_left_alone
 from tp_jax._config import programs_folder
 from tp_jax._files import replaced
@@ -92,7 +92,7 @@ class Stored:
             if ready is None:
                 named = tuple((shape, str(kind)) for shape, kind in shapes)
                 file = self._file(static, f"{tree} {named}")
-                with COMPILERS, _alone(file):
+                with COMPILERS, _alone(file), _compiling.noted():
                     begun = time.monotonic()
                     program = self._program(static, arrays, file)
                     # called itself, it would keep what it was lowered to

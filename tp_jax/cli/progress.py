@@ -13,6 +13,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TextIO
 
+from tp_jax import _compiling
+
 Progress = Callable[[str, float | None], None]
 
 FORMS = ("auto", "plain", "json", "none")
@@ -139,12 +141,28 @@ def _lines(
 @contextmanager
 def _bars() -> Iterator[Progress]:
     from rich.console import Console
-    from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        ProgressColumn,
+        SpinnerColumn,
+        Task,
+        TextColumn,
+        TimeElapsedColumn,
+    )
     from rich.progress import Progress as Bars
+    from rich.text import Text
+
+    class CompilingColumn(ProgressColumn):
+        """Why nothing seems to happen on a first run."""
+
+        max_refresh = 0.5
+
+        def render(self, task: Task) -> Text:  # noqa: ARG002
+            return Text(_compiling.described())
 
     columns = (
         SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(),
-        TimeElapsedColumn(), TextColumn("{task.fields[left]}"),
+        TimeElapsedColumn(), TextColumn("{task.fields[left]}"), CompilingColumn(),
     )  # fmt: skip
     with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
         watch, bar = Watch(), bars.add_task("", total=None, left="")
