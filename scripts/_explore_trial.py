@@ -17,11 +17,10 @@ import numpy as np
 
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
-from scripts._workers import fault_of, over_all_cores
-from tp_jax._version import __version__
+from scripts._ledger import add_ledger, entries, extended
 from tp_jax.acquisition import Port, Settings, protocol, record
 from tp_jax.acquisition.campaign_entry import append_entry, entries_of, free_name
-from tp_jax.cli.arguments import Parser, count, positive
+from tp_jax.cli.arguments import Parser, count
 from tp_jax.rig import RigParameters, VirtualRig
 from tp_jax.rig.effects import catalogue
 from tp_jax.rig.emulator import Firmware
@@ -97,51 +96,30 @@ def _parser() -> Parser:
     parser.add_argument("--diagnosis", choices=(STAND_IN, REAL), default=STAND_IN,
                         help="the stand-in (default) knows the secret and tells it once "
                         "the runs show it; the real one takes many minutes a rig")  # fmt: skip
-    parser.add_argument("--ledger", metavar="FILE", default=str(LEDGER),
-                        help="where lines are added (default trials/explore.jsonl)")  # fmt: skip
-    parser.add_argument("--version", metavar="V", default=__version__,
-                        help="of the lines that count (default that of the package)")  # fmt: skip
-    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
-                        help="processes (default: as many as processors)")  # fmt: skip
-    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no rig after so many seconds")  # fmt: skip
+    add_ledger(parser, LEDGER)
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
 
 def _trial(args: Any) -> int:
-    ledger = Path(args.ledger)
-    there = [r for r in read(ledger) if (r.version, r.diagnosis) == (args.version, args.diagnosis)]
+    there = [
+        r
+        for r in read(Path(args.ledger))
+        if (r.version, r.diagnosis) == (args.version, args.diagnosis)
+    ]
     known = {row.seed for row in there}
     seeds = range(1, args.rigs + 1)
     left = [(seed, args.diagnosis, args.version) for seed in seeds if seed not in known]
-    status, until = 0, time.monotonic() + args.limit_s
-    ledger.parent.mkdir(parents=True, exist_ok=True)
-    with ledger.open("a", encoding="utf-8") as file:
-        for (seed, *_), future in over_all_cores(look, left, args.workers, until):
-            fault = fault_of(future)
-            if fault is None:
-                there.append(future.result())
-                file.write(json.dumps(dataclasses.asdict(there[-1])) + "\n")
-                file.flush()
-            else:
-                print(f"explore_trial: rig {seed} failed: {fault}", file=sys.stderr)
-                status = 1
+    found, status = extended("explore_trial", args, look, left)
+    there += found
     print(table([row for row in there if row.seed in seeds]))
     return status
 
 
 def read(ledger: Path) -> list[Row]:
     """All whole lines of a ledger."""
-    found = []
-    for line in ledger.read_text(encoding="utf-8").splitlines() if ledger.is_file() else ():
-        try:
-            entry = json.loads(line)
-        except json.JSONDecodeError:
-            continue  # cut off: the rig is looked at again
-        lists = {name: tuple(entry[name]) for name in ("explored", "swept")}
-        found.append(Row(**{**entry, **lists}))
-    return found
+    lists = ("explored", "swept")
+    return [Row(**{**e, **{name: tuple(e[name]) for name in lists}}) for e in entries(ledger)]
 
 
 def look(seed: int, diagnosis: str, version: str) -> Row:

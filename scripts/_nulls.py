@@ -1,7 +1,6 @@
 """What scripts/nulls runs: false alarms under many kinds of noise, and a weak drag in decays."""
 
 import dataclasses
-import json
 import os
 import sys
 import tempfile
@@ -14,9 +13,8 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
-from scripts._workers import fault_of, over_all_cores
-from tp_jax._version import __version__
-from tp_jax.cli.arguments import Parser, count, positive
+from scripts._ledger import add_ledger, entries, extended
+from tp_jax.cli.arguments import Parser, count
 
 ROOT = Path(__file__).parent.parent
 LEDGER = ROOT / "trials" / "nulls.jsonl"
@@ -69,52 +67,27 @@ def _parser() -> Parser:
                         help="some of %(default)s")  # fmt: skip
     parser.add_argument("--seeds", metavar="N", type=count, default=30,
                         help="rigs of each kind (default 30)")  # fmt: skip
-    parser.add_argument("--ledger", metavar="FILE", default=str(LEDGER),
-                        help="where lines are added (default trials/nulls.jsonl)")  # fmt: skip
-    parser.add_argument("--version", metavar="V", default=__version__,
-                        help="of the lines that count (default that of the package)")  # fmt: skip
-    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
-                        help="processes (default: as many as processors)")  # fmt: skip
-    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no rig after so many seconds")  # fmt: skip
+    add_ledger(parser, LEDGER)
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
 
 def _nulls(args: Any) -> int:
-    ledger, kinds = Path(args.ledger), args.kinds.split(",")
-    there = [row for row in read(ledger) if row.version == args.version]
+    kinds = args.kinds.split(",")
+    there = [row for row in read(Path(args.ledger)) if row.version == args.version]
     known = {(row.kind, row.seed) for row in there}
     # one of each kind by turns, so that a part of the study is a fair part
     tasks = [(k, s, args.version) for s in range(1, args.seeds + 1) for k in kinds]
     left = [task for task in tasks if task[:2] not in known]
-    status, until = 0, time.monotonic() + args.limit_s
-    ledger.parent.mkdir(parents=True, exist_ok=True)
-    with ledger.open("a", encoding="utf-8") as file:
-        for (kind, seed, _), future in over_all_cores(look, left, args.workers, until):
-            fault = fault_of(future)
-            if fault is None:
-                row = future.result()
-                there.append(row)
-                file.write(json.dumps(dataclasses.asdict(row)) + "\n")
-                file.flush()
-            else:
-                print(f"nulls: {kind} {seed} failed: {fault}", file=sys.stderr)
-                status = 1
+    found, status = extended("nulls", args, look, left)
+    there += found
     print(table([row for row in there if row.kind in kinds]))
     return status
 
 
 def read(ledger: Path) -> list[Row]:
     """All whole lines of a ledger."""
-    found = []
-    for line in ledger.read_text(encoding="utf-8").splitlines() if ledger.is_file() else ():
-        try:
-            entry = json.loads(line)
-        except json.JSONDecodeError:
-            continue  # cut off: the rig is looked at again
-        found.append(Row(**{**entry, "causes": tuple(entry["causes"])}))
-    return found
+    return [Row(**{**entry, "causes": tuple(entry["causes"])}) for entry in entries(ledger)]
 
 
 def look(kind: str, seed: int, version: str) -> Row:

@@ -3,6 +3,7 @@
 import json
 
 from scripts import _guard as guard
+from scripts import _ledger
 from scripts import _nulls as nulls
 
 
@@ -70,7 +71,7 @@ def test_a_ledger_goes_on_where_it_was(tmp_path, monkeypatch, capsys):
             })()  # fmt: skip
             yield task, future
 
-    monkeypatch.setattr(nulls, "over_all_cores", one)
+    monkeypatch.setattr(_ledger, "over_all_cores", one)
     words = ["--ledger", str(tmp_path / "l.jsonl"), "--kinds", "slow,rough", "--seeds"]
     assert nulls.main([*words, "1"]) == 0
     assert nulls.main([*words, "2"]) == 0

@@ -1,0 +1,73 @@
+"""A study that grows call by call: each rig is a line of JSON in a file of the repository.
+
+A call adds the rigs that are not there yet; one that is cut off has lost the rigs in hand. Lines
+are of a version of the program, so that those of another are not pooled with them.
+"""
+
+import argparse
+import dataclasses
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from scripts._workers import fault_of, over_all_cores
+from tp_jax._version import __version__
+from tp_jax.cli.arguments import count, positive
+
+
+def add_ledger(parser: argparse.ArgumentParser, ledger: Path) -> None:
+    """Arguments that a study with a ledger takes: --ledger, --version, --workers, --limit-s."""
+    parser.add_argument("--ledger", metavar="FILE", default=str(ledger),
+                        help=f"where lines are added (default trials/{ledger.name})")  # fmt: skip
+    parser.add_argument("--version", metavar="V", default=__version__,
+                        help="of the lines that count (default that of the package)")  # fmt: skip
+    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
+                        help="processes (default: as many as processors)")  # fmt: skip
+    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
+                        help="begin no rig after so many seconds")  # fmt: skip
+
+
+def entries(ledger: Path) -> list[dict[str, Any]]:
+    """All whole lines of a ledger; a rig whose line was cut off is looked at again."""
+    found = []
+    for line in ledger.read_text(encoding="utf-8").splitlines() if ledger.is_file() else ():
+        try:
+            found.append(json.loads(line))
+        except json.JSONDecodeError:
+            continue
+    return found
+
+
+def extended(
+    study: str, args: argparse.Namespace, look: Callable[..., Any], tasks: Sequence[tuple]
+) -> tuple[list[Any], int]:
+    """Looks at rigs and adds a line for each.
+
+    Args:
+        study: its name, for what is said of faults.
+        args: of `add_ledger`.
+        look: makes of a task's members a dataclass, in another process.
+        tasks: rigs that are not in the ledger.
+
+    Returns:
+        What was found, and the exit code: 1 if any rig failed.
+    """
+    ledger, until = Path(args.ledger), time.monotonic() + args.limit_s
+    ledger.parent.mkdir(parents=True, exist_ok=True)
+    found, status = [], 0
+    with ledger.open("a", encoding="utf-8") as file:
+        for task, future in over_all_cores(look, tasks, args.workers, until):
+            fault = fault_of(future)
+            if fault is None:
+                found.append(future.result())
+                file.write(json.dumps(dataclasses.asdict(found[-1])) + "\n")
+                file.flush()
+            else:
+                rig = " ".join(map(str, task[:-1]))  # the last member is the version
+                print(f"{study}: rig {rig} failed: {fault}", file=sys.stderr)
+                status = 1
+    return found, status
