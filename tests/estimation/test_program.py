@@ -1,10 +1,14 @@
 """Few compiled programs serve the baseline and every effect."""
 
+import numpy as np
+
 from tests.rigs import bench_problem, bench_values, whole_layout
-from tp_jax.effects import Amplitude, Effect, catalogue
+from tp_jax.effects import Amplitude, Effect, Shape, catalogue
 from tp_jax.estimation import program
 from tp_jax.estimation.layout import Layout
+from tp_jax.estimation.packing import LANES
 from tp_jax.estimation.problem import DIRECTIONS
+from tp_jax.estimation.program import linearise
 
 
 def test_a_trace_for_each_group_serves_all():
@@ -86,6 +90,46 @@ def test_an_effect_from_outside_is_described_by_its_formula():
     # what does not carry it is what it was, and finds room for its numbers
     assert described(Spin, program.NONE) == program._described(whole_layout(), program.NONE)
     assert Layout("double", (*catalogue().values(), Spin())).room == whole_layout().room
+
+
+class Before(Spin):
+    """One that comes before it and has a shape constant."""
+
+    id = "a_spin"
+    shapes = (Shape("v", "rad/s", (1.0, 2.0)),)
+
+    def increment(self, m, a, v):
+        return m.contact_dry * a * m.v2 / v
+
+
+class Continuous(Before):
+    """The same with another constant to estimate."""
+
+    shapes = (Shape("v", "rad/s", (1.0, 2.0), continuous=True),)
+
+
+def test_where_the_numbers_of_an_effect_from_outside_stand_is_described():
+    def described(ids, *kinds):
+        own = tuple(kind() for kind in kinds)
+        return program._described(Layout("double", (*catalogue().values(), *own)), frozenset(ids))
+
+    assert described({"contact_spin"}, Spin) != described({"contact_spin"}, Before, Spin)
+    assert described({"a_spin"}, Before) != described({"a_spin"}, Continuous)
+
+
+def test_a_program_of_another_layout_is_asked_by_any_slot():
+    """What does not carry an effect from outside has no derivative by its amplitude."""
+    alone, layout = whole_layout(), Layout("double", (*catalogue().values(), Spin()))
+    problem, values = bench_problem(0.25, (0, 1)), bench_values()
+    _, _, block = problem.blocks()[0]
+    states = np.zeros((problem.capacity, 4, LANES))
+    p = np.repeat(values.table[:, :1], LANES, axis=1)
+    more = np.concatenate([p, np.zeros((1, LANES))])
+    asked = np.array([alone.index["k"], layout.index["contact_spin.a"], *[alone.index["k"]] * 12])
+    for own, numbers in ((alone, p), (layout, more)):  # the first one compiles, and serves both
+        out = linearise(own, problem.tolerances, program.NONE, numbers, states, block, asked)
+        assert abs(np.asarray(out.jac)[..., 4]).max() > 0.0
+        assert not np.asarray(out.jac)[..., 5].any()
 
 
 def test_an_effect_from_outside_has_a_program_of_its_own():

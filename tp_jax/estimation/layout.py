@@ -122,6 +122,11 @@ class Layout:
             self.index[e.qualified(a.name)] for e in self.carried(ids) for a in e.amplitudes
         )
 
+    def numbers(self, effect: Effect) -> tuple[int, ...]:
+        """Slots of an effect's amplitudes and shapes."""
+        names = (*effect.amplitudes, *effect.shapes)
+        return tuple(self.index[effect.qualified(x.name)] for x in names)
+
     @functools.cached_property
     def estimable(self) -> tuple[int, ...]:
         """Slots that may be unknown: neither given, nor settings, nor shapes from a grid."""

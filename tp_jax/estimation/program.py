@@ -206,8 +206,8 @@ def _described(layout: Layout, ids: frozenset[str] | None = None) -> str | None:
     """All that a program takes from its static arguments, the same in every process.
 
     Of the package's own effects the names say enough, since the source is part of a program's key
-    (`Stored`). Of others the formulas do: nobody can say whether their source is all that they
-    depend on.
+    (`Stored`). Of others the formulas do, and where their numbers stand: nobody can say whether
+    their source is all that they depend on.
 
     Args:
         layout: structure of the model.
@@ -217,10 +217,14 @@ def _described(layout: Layout, ids: frozenset[str] | None = None) -> str | None:
         None where an effect's formula cannot be traced alone.
     """
     carried = layout.sensing if ids is None else ids
+    outside = carried & layout.outside
+    slots = [i for e in layout.carried(outside) for i in layout.numbers(e)]
+    # a formula does not say which of its numbers are estimated, nor are all of them in its text
+    placed = [(layout.parameters[i].name, i, i in layout.estimable) for i in slots]
     try:
-        return layout.described(carried) + _formulas(layout, carried & layout.outside)
+        return f"{layout.described(carried)} {placed} {_formulas(layout, outside)}"
     except Exception as fault:  # an effect of the user's that leans on another: it is traced anew
-        log.info("A program with %s is not kept: %s", sorted(carried & layout.outside), fault)
+        log.info("A program with %s is not kept: %s", sorted(outside), fault)
         return None
 
 
@@ -251,8 +255,12 @@ def _formulas(layout: Layout, ids: frozenset[str]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _slots(layout: Layout, p: Float[Array, "R L"]) -> tuple[Float[Array, " L"], ...]:
-    """Numbers by slot, without the rows to spare."""
+def _slots(layout: Layout, p: Sequence[Array]) -> tuple[Array, ...]:
+    """Numbers by slot, without what follows them.
+
+    Only a model is made without the rows to spare: a program that is taken for another layout's
+    may be asked for derivatives by a slot that its own had not, and must find it in its tables.
+    """
     return tuple(p)[: len(layout.parameters)]
 
 
@@ -263,12 +271,12 @@ def _integrate(layout, ids, tolerances, p, x0, block, directions):
     TRACES.append((layout, ids, p.shape, block.ts.shape, directions.shape, measured))
 
     def field(t, y, q, piece, left):
-        return layout.model(q, piece, left, ids).derivative(t, y)
+        return layout.model(_slots(layout, q), piece, left, ids).derivative(t, y)
 
     eps = (layout.index["eps1"], layout.index["eps2"])
     lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
     steps = Tolerances(*tolerances)
-    run = integrate(field, _slots(layout, p), lanes, eps, directions, layout.estimable, steps)
+    run = integrate(field, tuple(p), lanes, eps, directions, layout.estimable, steps)
     # What follows knows angles and velocities only, and is compiled once for all.
     count = x0.shape[1]
     s = run.s
@@ -280,7 +288,7 @@ def _integrate(layout, ids, tolerances, p, x0, block, directions):
 @functools.partial(Stored, static=1, describe=_described)
 def _observe(layout, p, block, directions, run) -> Linearised:
     """Readings of integrated windows, less the data."""
-    slots = _slots(layout, p)
+    slots = tuple(p)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))  # components (n, L)
     measured = block.pieces is not None
     if measured:
@@ -317,7 +325,7 @@ def _observe(layout, p, block, directions, run) -> Linearised:
 
     @jax.jit
     def readings(t, y, q):
-        model = layout.model(q[: len(slots)], *at_piece(q), layout.sensing)
+        model = layout.model(_slots(layout, q), *at_piece(q), layout.sensing)
         return tuple(model.readings(t, y))
 
     # The prior takes their rates too. What an effect of the motion does is in the states; the
@@ -325,7 +333,7 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     # pendulum without.
     @jax.jit
     def and_rates(t, y, q):
-        model = layout.model(q[: len(slots)], *at_piece(q), layout.sensing)
+        model = layout.model(_slots(layout, q), *at_piece(q), layout.sensing)
         f = lambda t, y: tuple(model.readings(t, y))  # noqa: E731
         rates = model.derivative(t, y)
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
