@@ -34,7 +34,8 @@ def add_ledger(parser: argparse.ArgumentParser, ledger: Path) -> None:
 def entries(ledger: Path) -> list[dict[str, Any]]:
     """All whole lines of a ledger; a rig whose line was cut off is looked at again."""
     found = []
-    for line in ledger.read_text(encoding="utf-8").splitlines() if ledger.is_file() else ():
+    text = ledger.read_text(encoding="utf-8", errors="replace") if ledger.is_file() else ""
+    for line in text.split("\n"):
         try:
             found.append(json.loads(line))
         except json.JSONDecodeError:
@@ -60,6 +61,8 @@ def extended(
     ledger.parent.mkdir(parents=True, exist_ok=True)
     found, status = [], 0
     with ledger.open("a", encoding="utf-8") as file:
+        if file.tell() and not ledger.read_bytes().endswith(b"\n"):
+            file.write("\n")  # of a line that was cut off
         for task, future in over_all_cores(look, tasks, args.workers, until):
             fault = fault_of(future)
             if fault is None:

@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from scripts import _ledger
 from scripts._explore_trial import STAND_IN, Row, hide, main, needed, read, table
 
 ROW = Row(1, STAND_IN, "v", "a", 1.5, (None, "b", "a"), ("a", None, "a", "a"), "cause", 1.0)
@@ -33,6 +34,23 @@ def test_a_line_that_was_cut_off_does_not_count(tmp_path):
     ledger.write_text(f"{whole}\n{whole[:30]}")
     assert read(ledger) == [ROW]
     assert read(tmp_path / "none") == []
+
+
+def test_a_line_after_one_that_was_cut_off_stands_alone(tmp_path, monkeypatch):
+    ledger = tmp_path / "explore.jsonl"
+    whole = json.dumps(dataclasses.asdict(ROW))
+    ledger.write_bytes(f"{whole}\n{whole}é".encode()[:-1])
+
+    class Done:
+        def exception(self):
+            return None
+
+        def result(self):
+            return dataclasses.replace(ROW, seed=2)
+
+    monkeypatch.setattr(_ledger, "over_all_cores", lambda *_: [((2, STAND_IN, "v"), Done())])
+    assert main(["--rigs", "2", "--version", "v", "--ledger", str(ledger)]) == 0
+    assert [row.seed for row in read(ledger)] == [1, 2]
 
 
 def test_what_is_there_is_not_made_again(tmp_path, capsys):

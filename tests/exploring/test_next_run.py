@@ -114,6 +114,26 @@ def test_the_limit_that_would_help_is_advised():
     assert "drive at 12 rad/s" in step.sentence
 
 
+def test_a_limit_is_advised_that_is_enough():
+    forecasts = (Forecast(Run(omega=6.0), 0.3, {}), Forecast(Run(omega=12.0), 0.94, {"b": 5.0}))
+    finding = dataclasses.replace(UNDECIDED, forecasts=forecasts)
+    step = chosen(finding, Limits(1.0))
+    assert isinstance(step, Stop)
+    assert "with --limit 1.1 " in step.sentence
+    assert isinstance(chosen(finding, Limits(1.1)), Next)
+
+
+def test_a_run_that_tells_one_rival_comes_before_one_that_hints_at_another():
+    forecasts = (
+        Forecast(Run(omega=6.0), 0.3, {"b": 2.5}),
+        Forecast(Run(omega=12.0), 0.9, {"c": 10.0}),
+    )
+    finding = dataclasses.replace(UNDECIDED, rivals={"b": 0.3, "c": 0.05}, forecasts=forecasts)
+    step = chosen(finding, Limits(1.5))
+    assert isinstance(step, Next)
+    assert step.forecast.run == Run(omega=12.0)
+
+
 def test_a_longer_run_is_advised():
     dull = dataclasses.replace(UNDECIDED, forecasts=(Forecast(Run(omega=6.0), 0.3, {"b": 1.0}),))
     assert "--duration 30" in chosen(dull).sentence

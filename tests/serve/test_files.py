@@ -1,6 +1,7 @@
 """Files: received whole, never over one that is there, and none outside the folder."""
 
 import dataclasses
+import errno
 import os
 import tomllib
 
@@ -9,7 +10,7 @@ import pytest
 from tests.serve.conftest import COMMANDED, RUNS, TOKEN, answers, opened
 from tp_jax.errors import InputError
 from tp_jax.serve.limits import LIMITS
-from tp_jax.serve.names import inside, safe_name
+from tp_jax.serve.names import inside, readable, safe_name
 
 RUN = next(file for file in RUNS if file.name == "run-06.csv")
 
@@ -34,7 +35,9 @@ def test_names_are_made_safe(said, name):
     assert safe_name(said) == name
 
 
-@pytest.mark.parametrize("said", ["", "..", "a/..", "...", "\x00", "page.html", "a.py", "b" * 101])
+@pytest.mark.parametrize(
+    "said", ["", "..", "a/..", "...", "\x00", "page.html", "a.py", "b" * 201, "測" * 70 + ".csv"]
+)
 def test_names_of_nothing_are_refused(said):
     with pytest.raises(InputError):
         safe_name(said)
@@ -45,6 +48,18 @@ def test_links_are_followed_before_they_are_judged(folder, tmp_path):
     assert inside(folder, folder / "a.csv")
     assert not inside(folder, folder / "out" / "a.csv")
     assert not inside(folder, folder / ".." / "a.csv")
+    (folder / "round").symlink_to(folder / "round")
+    assert not readable(folder, folder / "round" / "diagnosis.json")
+
+
+def test_what_the_file_system_refuses_is_told_in_a_sentence(client, folder, monkeypatch):
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device", str(folder / "run.csv"))
+
+    monkeypatch.setattr("tp_jax.serve.uploads.created", full)
+    answer = client.put("/recordings/run.csv", content="t,phi1\n")
+    assert answer.status_code == 507
+    assert answer.text == "Cannot write run.csv: no space left on device."
 
 
 @pytest.mark.parametrize("place", ["../../a.csv", "%2e%2e%2fa.csv", "..%5ca.csv", "%2Ftmp%2Fa.csv"])

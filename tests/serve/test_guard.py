@@ -30,6 +30,13 @@ def test_the_first_visit_keeps_the_key_in_a_strict_cookie(folder):
         assert client.get("/").status_code == 200
 
 
+@pytest.mark.parametrize("other", ['x={"a":1}', "theme=dark mode", "plain", "a=b=c", ""])
+def test_cookies_of_other_programs_do_not_matter(folder, other):
+    with opened(folder) as client:
+        for cookies in (f"{other}; tp-jax-serve={TOKEN}", f"tp-jax-serve={TOKEN}; {other}"):
+            assert client.get("/job", headers={"cookie": cookies}).status_code == 200
+
+
 def test_the_key_may_stand_in_a_header(folder):
     with opened(folder) as client:
         assert client.get("/job", headers={"authorization": f"Bearer {TOKEN}"}).status_code == 200

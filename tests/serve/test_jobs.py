@@ -91,6 +91,7 @@ def test_only_reports_of_the_list_are_read(ready, tmp_path):
     (ready / "report.html").write_text("secret")
     (ready / "odd").mkdir()
     (ready / "odd" / "diagnosis.json").write_text('{"schema": "tp-jax/diagnosis/9"}')
+    (ready / "round").symlink_to(ready / "round")
     with opened(ready) as client:
         client.get(f"/?token={TOKEN}")
         for name in ("linked", "..", "%2e%2e", "..%2f..", ".", "nothing", "odd"):

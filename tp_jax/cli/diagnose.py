@@ -1,6 +1,7 @@
 """tp-jax diagnose: where the gap lies, which effect causes it, how far it shrinks."""
 
 import argparse
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import date
@@ -77,11 +78,14 @@ def _kept(file: Path, *, resume: bool) -> Iterator[None]:
 
     Without --resume an earlier leftover is not looked at; it is replaced once the work begins.
     """
+    begun = time.time()
     try:
         yield
     except KeyboardInterrupt:
         there = f"; what is done is kept in {file}, and the same command with --resume goes on"
-        raise KeyboardInterrupt(f"Interrupted{there if file.is_file() else ''}.") from None
+        # an earlier leftover may be of other data
+        mine = file.is_file() and (resume or file.stat().st_mtime >= begun)
+        raise KeyboardInterrupt(f"Interrupted{there if mine else ''}.") from None
     except InputError:
         if not resume:
             forget(file)

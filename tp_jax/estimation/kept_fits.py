@@ -46,12 +46,30 @@ class KeptFits:
         self.checkpoint = checkpoint
         self.taken = 0
         self._now, self._written, self._new = now, -np.inf, {}
+        self._refused = False
+
+    def begin(self) -> None:
+        """Writes the file, so that there is something to resume from the first moment.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        self.checkpoint.put({})
 
     def write(self, *, at_once: bool = True) -> None:
-        """Writes what is new, if it is time to or must be at once."""
-        if at_once or self._now() - self._written >= WRITE_EVERY:
+        """Writes what is new, if it is time to or must be at once.
+
+        A disk that is full by now ends the keeping, not the work: the result may be written where
+        there is room.
+        """
+        if self._refused or not (at_once or self._now() - self._written >= WRITE_EVERY):
+            return
+        try:
             self.checkpoint.put(self._new)
-            self._new, self._written = {}, self._now()
+        except OSError as fault:
+            self._refused = True
+            log.warning("fits are not kept any more: %s", fault)
+        self._new, self._written = {}, self._now()
 
     def fit(
         self, fitter: Fitter, problem: Problem, values: Values, unknowns: Sequence[Unknown],
@@ -86,7 +104,7 @@ def keeping(checkpoint: Checkpoint | None) -> Iterator[None]:
         yield
         return
     kept = KeptFits(checkpoint)
-    kept.write()  # so that there is something to resume from the first moment
+    kept.begin()
     token = _current.set(kept)
     try:
         yield

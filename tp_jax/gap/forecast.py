@@ -155,10 +155,14 @@ def _table(
 
 
 def _alternative(choice: Choice, id: str | None, *, accepted: bool = False) -> Alternative | None:
-    """The model with an effect: as accepted, else refitted, else as the screen predicts it."""
+    """The model with an effect: as accepted, else refitted, else as the screen predicts it.
+
+    Rivals are models with one effect each. So is the first cause where there are more: what the
+    others add would count against every rival.
+    """
     if id is None:
         return None
-    if accepted and id in choice.causes:
+    if accepted and choice.causes == (id,):
         return _of_fit(choice.final)
     first = choice.rounds[0]
     if id in first.refits:

@@ -211,8 +211,9 @@ def next_run(
     open_ = [f for f in finding.forecasts if allowed(f, limits, policy)]
     if not open_:
         return Stop(TIED, _nothing_allowed(finding, limits))
-    best = max(open_, key=lambda f: worth(f, finding.rivals, policy), default=None)
-    if best is not None and _largest(best) >= policy.log_evidence:
+    # one that tells a single rival apart comes before one that hints at several
+    best = max(open_, key=lambda f: (_tells(f, policy), worth(f, finding.rivals, policy)))
+    if _tells(best, policy):
         return Next(best)
     if not finding.rivals or len(made) < policy.survey:
         return Next(_farthest(open_, made, policy))
@@ -221,17 +222,23 @@ def next_run(
 
 def allowed(forecast: Forecast, limits: Limits, policy: ExplorePolicy = POLICY.explore) -> bool:
     """Whether a run stays within the limits, as far as it can be predicted."""
-    run = forecast.run
-    if run.omega is None:
-        if not limits.releases:
-            return False
-    elif not limits.drives or (
-        limits.omega is not None and not limits.omega[0] <= run.omega <= limits.omega[1]
-    ):
-        return False
-    if forecast.largest is None:
+    if forecast.largest is None or not _possible(forecast.run, limits):
         return False
     return limits.angle is None or forecast.largest <= policy.margin * limits.angle
+
+
+def _possible(run: Run, limits: Limits) -> bool:
+    """Whether a run of this kind can be made, whatever angle it reaches."""
+    if run.omega is None:
+        return limits.releases
+    low, high = limits.omega or (-np.inf, np.inf)
+    return limits.drives and low <= run.omega <= high
+
+
+def _rounded_up(x: float) -> float:
+    """To two digits, so that the advice, followed, is enough."""
+    unit = 10.0 ** (np.floor(np.log10(x)) - 1)
+    return float(f"{np.ceil(x / unit - 1e-9) * unit:.2g}")
 
 
 def worth(
@@ -252,6 +259,11 @@ def worth(
 
 def _largest(forecast: Forecast) -> float:
     return max(forecast.log_evidence.values(), default=0.0)
+
+
+def _tells(forecast: Forecast, policy: ExplorePolicy) -> bool:
+    """Whether a run is expected to tell the first cause from any rival."""
+    return _largest(forecast) >= policy.log_evidence
 
 
 def _farthest(
@@ -285,7 +297,7 @@ def _nothing_allowed(finding: Finding, limits: Limits) -> str:
 
 
 def _needed(
-    finding: Finding, best: Forecast | None, limits: Limits, duration: float,
+    finding: Finding, best: Forecast, limits: Limits, duration: float,
     policy: ExplorePolicy,
 ) -> str:  # fmt: skip
     """That no allowed run tells the rivals apart, and what would."""
@@ -293,15 +305,15 @@ def _needed(
     said = f"No run within the limits can tell {finding.first} from {names}"
     beyond = [
         f for f in finding.forecasts
-        if f.largest is not None and _largest(f) >= policy.log_evidence
+        if f.largest is not None and _tells(f, policy) and _possible(f.run, limits)
     ]  # fmt: skip
     if beyond and limits.angle is not None:
         gentlest = min(beyond, key=lambda f: f.largest or 0.0)
         at_least = (gentlest.largest or 0.0) / policy.margin
-        return f"{said}; with --limit {at_least:.2g} a {gentlest.run} could."
-    told = 0.0 if best is None else _largest(best)
+        return f"{said}; with --limit {_rounded_up(at_least):g} a {gentlest.run} could."
+    told = _largest(best)
     times = policy.log_evidence / told if told > 0.0 else np.inf
-    if best is not None and times <= policy.longer:
+    if times <= policy.longer:
         longer = np.ceil(times * duration)
         return f"{said}; a {best.run} of {longer:g} s could (--duration {longer:g})."
     return (

@@ -1,7 +1,7 @@
 """The addresses of the page: what each answers."""
 
 import json
-from collections.abc import Awaitable, Callable
+import os
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -23,8 +23,6 @@ from tp_jax.serve.jobs import Child, Jobs, diagnosing
 from tp_jax.serve.limits import LIMITS, Limits
 from tp_jax.serve.names import safe_name
 from tp_jax.serve.uploads import receive
-
-Handler = Callable[[Request], Awaitable[Response]]
 
 
 def create_app(
@@ -126,7 +124,11 @@ def create_app(
             Route("/compare", compare),
         ],
         middleware=[Middleware(Guard, token=token, cookie=cookie)],
-        exception_handlers={InputError: _refused, HTTPException: _failed},  # type: ignore[dict-item]
+        exception_handlers={  # type: ignore[arg-type]
+            InputError: _refused,
+            OSError: _unwritable,
+            HTTPException: _failed,
+        },
         lifespan=lifespan,
     )
 
@@ -148,6 +150,12 @@ def _html(text: str) -> Response:
 def _refused(_: Request, fault: Exception) -> Response:
     """What the user can mend, as its sentence."""
     return PlainTextResponse(str(fault), 422)
+
+
+def _unwritable(_: Request, fault: OSError) -> Response:
+    """What the file system refuses: a full disk, a folder that may not be written."""
+    name = "the folder" if fault.filename is None else Path(os.fsdecode(fault.filename)).name
+    return PlainTextResponse(f"Cannot write {name}: {(fault.strerror or str(fault)).lower()}.", 507)
 
 
 def _failed(_: Request, fault: HTTPException) -> Response:

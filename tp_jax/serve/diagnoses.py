@@ -13,7 +13,7 @@ from tp_jax.errors import InputError
 from tp_jax.report import comparison, reading, verdict, words
 from tp_jax.report.formatting import MISSING, percent
 from tp_jax.schemas.diagnosis import read_diagnosis
-from tp_jax.serve.names import inside
+from tp_jax.serve.names import readable
 
 RESULT, REPORT = "diagnosis.json", "report.html"
 
@@ -57,7 +57,7 @@ class Diagnoses:
         found = []
         for each in self.folder.iterdir():
             file = each / RESULT
-            if not each.name.startswith(".") and inside(self.folder, file) and file.is_file():
+            if not each.name.startswith(".") and readable(self.folder, file):
                 found.append((file.stat().st_mtime_ns, file))
         with self._lock:
             return [self._row(when, file) for when, file in sorted(found, reverse=True)]
@@ -67,7 +67,7 @@ class Diagnoses:
         if name not in [row.name for row in self.rows()]:
             return None
         path = self.folder / name / which
-        return path if path.is_file() and inside(self.folder, path) else None
+        return path if readable(self.folder, path) else None
 
     def compared(self, a: str, b: str) -> list[comparison.Row]:
         """Two of them as lines of a table: what, in the first, in the second.
@@ -86,7 +86,7 @@ class Diagnoses:
         if known is not None and known[0] == when:
             return known[1]
         made = datetime.fromtimestamp(when / 1e9).strftime("%Y-%m-%d %H:%M")
-        report = (file.parent / REPORT).is_file()
+        report = readable(self.folder, file.parent / REPORT)
         try:
             row = _summed(name, made, report, read_diagnosis(file, fits=False))
         except InputError as fault:

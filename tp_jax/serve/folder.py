@@ -169,9 +169,12 @@ class ServedFolder:
         """Changes whenever a file of the folder does."""
         found = []
         for each in os.scandir(self.path):
-            if each.is_file():
-                about = each.stat()
-                found.append((each.name, about.st_mtime_ns, about.st_size))
+            try:
+                if each.is_file():
+                    about = each.stat()
+                    found.append((each.name, about.st_mtime_ns, about.st_size))
+            except OSError:  # a link to itself; what went away just now
+                continue
         return tuple(sorted(found))
 
     def _outside(self) -> tuple[Finding, ...]:

@@ -7,7 +7,6 @@ was made to lead here does not), and changes something only from the page itself
 
 import hmac
 from collections.abc import Awaitable, Callable, MutableMapping
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -107,11 +106,12 @@ class Guard:
         return hmac.compare_digest(said.encode(), self.token.encode())
 
     def _kept(self, headers: dict[str, str]) -> str:
-        try:
-            kept = SimpleCookie(headers.get("cookie", "")).get(self.cookie)
-        except CookieError:
-            return ""
-        return "" if kept is None else kept.value
+        """The key in the cookie; those of other programs on this computer may have any form."""
+        for each in headers.get("cookie", "").split(";"):
+            name, _, value = each.strip().partition("=")
+            if name == self.cookie:
+                return value
+        return ""
 
 
 def _bearer(headers: dict[str, str]) -> str:

@@ -24,6 +24,10 @@ SAYS = "tp-jax: "
 """What a sentence of a command for its user begins with."""
 
 
+FITS = "fits.json"
+"""What a diagnosis keeps of itself until it is done."""
+
+
 def diagnosing(campaign: Path, out: Path) -> list[str]:
     """`tp-jax diagnose` by this interpreter, which takes no module from the folder it is in."""
     return [
@@ -142,6 +146,11 @@ class Jobs:
         process.stderr.close()
         with contextlib.suppress(OSError):
             process.stdin.close()
+        with self._lock:
+            if self._cancelled:  # nobody goes on from it here, whatever the child says of that
+                (out / FITS).unlink(missing_ok=True)
+                messages.clear()
+                self._status = self._with(messages=())
         with contextlib.suppress(OSError):
             out.rmdir()  # only where nothing is in it
         with self._lock:

@@ -12,7 +12,7 @@ class Limits:
             folder by hand.
         files: in the folder beside which no more are taken; a page of so many is no use.
         answers: bytes of what the page says of the rig and its runs, a line for each file.
-        name: characters of a file's name; file systems take 255 bytes.
+        name: bytes of a file's name; file systems take 255, a name of its part included.
         token: bytes of chance in the key, as many as a session of a bank has.
         grace: seconds that a child has to end by itself before it is killed.
         messages: lines that are kept of what a child says.
@@ -21,7 +21,7 @@ class Limits:
     upload: int = 500_000_000
     files: int = 200
     answers: int = 200_000
-    name: int = 100
+    name: int = 200
     token: int = 32
     grace: float = 5.0
     messages: int = 20

@@ -22,9 +22,9 @@ def safe_name(said: str) -> str:
     name = re.sub(r'[<>:"|?*]', "-", kept).strip(". ")
     if not name:
         raise InputError(f"{said[:40]!r} is no name of a file; give it another.")
-    if len(name) > LIMITS.name:
+    if len(name.encode()) > LIMITS.name:
         raise InputError(
-            f"The name {name[:40]}... has {len(name)} characters, but may have {LIMITS.name}; "
+            f"The name {name[:40]}... has {len(name.encode())} bytes, but may have {LIMITS.name}; "
             "shorten it."
         )
     if name != CAMPAIGN and not name.endswith(".meta.json") and not may_be_data(name):
@@ -36,4 +36,15 @@ def safe_name(said: str) -> str:
 
 def inside(folder: Path, path: Path) -> bool:
     """Whether a path lies in a folder once all links are followed."""
-    return path.resolve().is_relative_to(folder.resolve())
+    try:
+        return path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError):  # a link to itself; a folder that is not ours to look into
+        return False
+
+
+def readable(folder: Path, path: Path) -> bool:
+    """Whether a path is a file in a folder, once all links are followed."""
+    try:
+        return inside(folder, path) and path.is_file()
+    except OSError:
+        return False

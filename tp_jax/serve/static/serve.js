@@ -170,6 +170,7 @@ async function watch() {
   } catch (fault) {
     byId("messages").replaceChildren();
     say(byId("messages"), fault.message, true);
+    watching = setTimeout(watch, 5 * POLL); // it may answer again
   }
 }
 
