@@ -23,11 +23,16 @@ def summary(diagnosis: Mapping[str, Any]) -> str:
     Returns:
         at most 25 lines without a line feed at the end, no colours.
     """
-    blocks = [_verdict(diagnosis), _gap(diagnosis), _causes(diagnosis), _candidates(diagnosis)]
-    lines = [line for block in blocks for line in block]
-    last = _last(diagnosis)
-    # long sentences may fill the space: then the candidates give way
-    return "\n".join([*lines[: MOST_LINES - len(last)], *last])
+    lines = [*_verdict(diagnosis), *_gap(diagnosis), *_causes(diagnosis)]
+    rivals, last = _candidates(diagnosis), _last(diagnosis)
+    # Long sentences may fill the space. Then an empty line gives way first, next the causes among
+    # the candidates, which have a table of their own, and at last the least of the candidates.
+    space = MOST_LINES - len(lines)
+    if len(rivals) + len(last) > space:
+        last = last[1:]
+    if len(rivals) + len(last) > space:
+        rivals = _candidates(diagnosis, without=reading.causes(diagnosis))
+    return "\n".join([*[*lines, *rivals][: MOST_LINES - len(last)], *last])
 
 
 def _verdict(diagnosis: Mapping[str, Any]) -> list[str]:
@@ -71,8 +76,11 @@ def _causes(diagnosis: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _candidates(diagnosis: Mapping[str, Any]) -> list[str]:
+def _candidates(
+    diagnosis: Mapping[str, Any], without: Sequence[Mapping[str, Any]] = ()
+) -> list[str]:
     found = [row for row in reading.candidates(diagnosis) if reading.judged(row)]
+    named = {reading.text(cause, "effect") for cause in without}
     body = [
         [
             reading.text(row, "effect"),
@@ -81,6 +89,7 @@ def _candidates(diagnosis: Mapping[str, Any]) -> list[str]:
             probability(row.get("probability")),
         ]
         for row in found[:_MOST_CANDIDATES]
+        if reading.text(row, "effect") not in named
     ]
     return _table(["candidate", "predicted shrink", "realised shrink", "probability"], body)
 
