@@ -9,6 +9,7 @@ from tp_jax.estimation.layout import Layout
 from tp_jax.estimation.packing import LANES
 from tp_jax.estimation.problem import DIRECTIONS
 from tp_jax.estimation.program import linearise
+from tp_jax.estimation.program_choice import NONE, Programs
 
 
 def test_a_trace_for_each_group_serves_all():
@@ -88,7 +89,7 @@ def test_an_effect_from_outside_is_described_by_its_formula():
     assert described(Spin, mine) == described(Spin, mine)
     assert described(Spin, mine) != described(Faster, mine)
     # what does not carry it is what it was, and finds room for its numbers
-    assert described(Spin, program.NONE) == program._described(whole_layout(), program.NONE)
+    assert described(Spin, NONE) == program._described(whole_layout(), NONE)
     assert Layout("double", (*catalogue().values(), Spin())).room == whole_layout().room
 
 
@@ -127,14 +128,14 @@ def test_a_program_of_another_layout_is_asked_by_any_slot():
     more = np.concatenate([p, np.zeros((1, LANES))])
     asked = np.array([alone.index["k"], layout.index["contact_spin.a"], *[alone.index["k"]] * 12])
     for own, numbers in ((alone, p), (layout, more)):  # the first one compiles, and serves both
-        out = linearise(own, problem.tolerances, program.NONE, numbers, states, block, asked)
+        out = linearise(own, problem.tolerances, NONE, numbers, states, block, asked)
         assert abs(np.asarray(out.jac)[..., 4]).max() > 0.0
         assert not np.asarray(out.jac)[..., 5].any()
 
 
 def test_an_effect_from_outside_has_a_program_of_its_own():
     layout = Layout("double", (*catalogue().values(), Spin()))
-    known, mine = program.Programs(layout), frozenset({"contact_spin"})
+    known, mine = Programs(layout), frozenset({"contact_spin"})
     assert mine in layout.families
     assert not mine & known.plain
     cause = frozenset({"bearing_drag"})

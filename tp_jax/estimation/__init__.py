@@ -1,7 +1,7 @@
 """Estimation: recordings in windows, fitted by least squares with the window states eliminated.
 
 layout, program, windows, problem    what is estimated, and its one compiled linearisation
-                                     (linearisation, placement, two_threads)
+                                     (linearisation, placement, program_choice, two_threads)
 start, period, baseline              a start from the data, windows that grow
 weak_form                            a better start: no derivatives of the data (modulating,
                                      compensated)

@@ -19,7 +19,7 @@ from tp_jax.estimation.layout import Layout, Unknown, Values, is_from_outside
 from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.period import horizons_of, typical_period
 from tp_jax.estimation.problem import Problem, room, sample_capacity
-from tp_jax.estimation.program import Programs
+from tp_jax.estimation.program_choice import Programs
 from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.window_states import of_windows

@@ -10,7 +10,8 @@ from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.packing import LANES, Packed, Rows, packed, packed_pieces, rows, steps_of
 from tp_jax.estimation.placement import longest, place
-from tp_jax.estimation.program import NONE, Linearised, Programs, linearise, remember
+from tp_jax.estimation.program import Linearised, linearise, remember
+from tp_jax.estimation.program_choice import NONE, Programs
 from tp_jax.estimation.two_threads import by_two
 from tp_jax.estimation.windows import Prepared, Windows, read_later
 from tp_jax.simulation.lanes import Tolerances
