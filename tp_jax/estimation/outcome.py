@@ -62,7 +62,8 @@ class Outcome:
         out: dict[str, Any] = {}
         for name, value in dataclasses.asdict(self).items():
             if isinstance(value, np.ndarray):
-                out[name] = np.where(np.isfinite(value), value, None).tolist()
+                finite = np.isfinite(value)
+                out[name] = np.where(finite, value.astype(object), [None]).tolist()
             else:
                 finite = not isinstance(value, float) or math.isfinite(value)
                 out[name] = value if finite else None

@@ -242,13 +242,12 @@ def _looked_at(
     Where the friction's smoothing may be what is left, there is something only if both the fit with
     and the one without it say so. Mostly the sharp one is the one that does not, so it is first.
     """
-    rest = dict(skip=current.ids, states=not current.ids)
     doubtful = _may_be_smoothing(current.fit, sharp.fit)
     first = sharp.fit if doubtful else current.fit
-    seen = screen(first, setting, **rest)
+    seen = screen(first, setting, current.ids, states=not current.ids)
     structure = structure_test(seen, seed)
     if doubtful and structure.p < POLICY.structure.seen:
-        smooth = screen(current.fit, setting, **rest)
+        smooth = screen(current.fit, setting, current.ids, states=not current.ids)
         other = structure_test(smooth, seed)
         if other.p >= POLICY.structure.seen:
             return current.fit, smooth, other

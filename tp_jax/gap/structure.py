@@ -122,9 +122,10 @@ class _Forms:
         self.alike = []
         for q in np.unique(sizes):
             which = np.flatnonzero(sizes == q)
-            inverse = np.stack([forms[i].inverse for i in which])
-            whiten = np.stack([forms[i].whiten for i in which], axis=1)
-            self.alike.append((which, np.stack([columns[i] for i in which]), inverse, whiten))
+            mine = which.tolist()
+            inverse = np.stack([forms[i].inverse for i in mine])
+            whiten = np.stack([forms[i].whiten for i in mine], axis=1)
+            self.alike.append((which, np.stack([columns[i] for i in mine]), inverse, whiten))
         self.rank = np.array([f.rank for f in forms])[:, None]
         self.count = np.array([f.count for f in forms])[:, None]
 
