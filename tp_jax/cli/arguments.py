@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from tp_jax.cli.progress import FORMS
 from tp_jax.errors import InputError, Notice
+from tp_jax.executors import KINDS, ExecutorChoice, available
 
 if TYPE_CHECKING:
     from tp_jax.recordings import Campaign
@@ -30,6 +31,9 @@ FASTEST_DRIVE = 1e4
 """rad/s beyond which no motor turns."""
 
 MOST_STARTS = 1_000_000
+
+MOST_WORKERS = 1_000
+"""Pieces in hand at once: each may be a process."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -136,6 +140,11 @@ def frequencies(text: str) -> tuple[float, float]:
 def starts(text: str) -> int:
     """A number of starts."""
     return whole(text, least=1, most=MOST_STARTS)
+
+
+def workers(text: str) -> int:
+    """A number of workers."""
+    return whole(text, least=1, most=MOST_WORKERS)
 
 
 def fixed(text: str) -> tuple[str, float]:
@@ -282,6 +291,24 @@ def add_progress(parser: argparse.ArgumentParser) -> None:
         help="auto: bars, on a terminal only (default); plain: a line of text at most every 10 s; "
         "json: an object a line, for other programs; all on standard error",
     )
+
+
+def add_executor(parser: argparse._ActionsContainer) -> None:
+    """--executor and --workers, of what does many independent pieces of work."""
+    parser.add_argument(
+        "--executor", choices=KINDS, default=KINDS[0],
+        help="what does the work: processes of this machine (default), a cluster of Ray or Dask, or "
+        "Slurm's jobs; docs/scale.md says how each is told where",
+    )  # fmt: skip
+    parser.add_argument(
+        "--workers", metavar="N", type=workers, default=available(),
+        help="how much is done at once (default: as many as processors)",
+    )  # fmt: skip
+
+
+def executor_of(args: argparse.Namespace) -> ExecutorChoice:
+    """What `add_executor`'s arguments ask for."""
+    return ExecutorChoice(args.executor, args.workers)
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:

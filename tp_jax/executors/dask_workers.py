@@ -1,0 +1,36 @@
+"""Dask's own executor: of the scheduler that is configured, or of workers on this machine."""
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+
+from tp_jax.executors.missing import missing
+
+
+@contextmanager
+def opened(workers: int) -> Iterator[Executor]:
+    """The executor of a client.
+
+    Args:
+        workers: processes with one thread each, where no `DASK_SCHEDULER_ADDRESS` names a scheduler.
+
+    Raises:
+        InputError: Dask is not installed.
+    """
+    try:
+        import dask
+        import distributed
+    except ImportError as fault:
+        raise missing("dask", "distributed") from fault
+    address = dask.config.get("scheduler-address", None)
+    if address is not None:
+        with distributed.Client(address) as client:
+            yield client.get_executor(pure=False)
+        return
+    # no page, and no limit at which workers are paused: a diagnosis takes what it takes
+    cluster = distributed.LocalCluster(
+        n_workers=workers, threads_per_worker=1, processes=True, memory_limit=0,
+        dashboard_address=None,
+    )  # fmt: skip
+    with cluster, distributed.Client(cluster) as client:
+        yield client.get_executor(pure=False)
