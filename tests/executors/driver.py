@@ -1,4 +1,4 @@
-"""A study in a process of its own, which tests kill: `python -m tests.executors.driver FOLDER N`."""
+"""A study in a process of its own, which tests kill: `-m tests.executors.driver FOLDER N`."""
 
 import sys
 from pathlib import Path

@@ -297,8 +297,8 @@ def add_executor(parser: argparse._ActionsContainer) -> None:
     """--executor and --workers, of what does many independent pieces of work."""
     parser.add_argument(
         "--executor", choices=KINDS, default=KINDS[0],
-        help="what does the work: processes of this machine (default), a cluster of Ray or Dask, or "
-        "Slurm's jobs; docs/scale.md says how each is told where",
+        help="what does the work: processes of this machine (default), Ray, Dask, or Slurm's jobs; "
+        "docs/scale.md says how each is told where",
     )  # fmt: skip
     parser.add_argument(
         "--workers", metavar="N", type=workers, default=available(),

@@ -12,7 +12,7 @@ def opened(workers: int) -> Iterator[Executor]:
     """The executor of a client.
 
     Args:
-        workers: processes with one thread each, where no `DASK_SCHEDULER_ADDRESS` names a scheduler.
+        workers: processes of one thread, where no `DASK_SCHEDULER_ADDRESS` names a scheduler.
 
     Raises:
         InputError: Dask is not installed.

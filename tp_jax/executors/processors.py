@@ -17,11 +17,11 @@ def available() -> int:
 
 
 def take_one() -> None:
-    """Keeps this process to one processor, which no other worker of the same user has if one is free.
+    """Keeps this process to one processor, which no other worker has if one is free.
 
     A name in Linux's abstract sockets says that a processor is taken; the system frees it when the
-    process ends, however it ends. Elsewhere nothing happens: processes cannot be kept to a processor
-    there.
+    process ends, however it ends. Elsewhere nothing happens: other systems do not let a process
+    choose.
     """
     if _held or not hasattr(os, "sched_setaffinity"):
         return

@@ -14,8 +14,8 @@ from tp_jax.executors.missing import missing
 from tp_jax.executors.workers import Workers
 
 STORE = 100_000_000
-"""Bytes of memory for objects that travel, where Ray starts here: pieces and results take kilobytes,
-and Ray would reserve a third of the machine."""
+"""Bytes of memory for objects that travel, where Ray starts here: pieces and results take
+kilobytes, and Ray would reserve a third of the machine."""
 
 
 @contextmanager

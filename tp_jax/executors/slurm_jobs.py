@@ -42,8 +42,8 @@ def opened(workers: int, folder: Path | None = None) -> Iterator[Executor]:
         jobs = submitit.AutoExecutor(logs.absolute(), cluster=CLUSTER)
     except RuntimeError as fault:
         raise InputError(
-            "The executor slurm needs Slurm's commands, which are not found on this machine; run it "
-            "where `srun` and `sbatch` can be called."
+            "The executor slurm needs Slurm's commands, which are not found on this machine; run "
+            "it where `srun` and `sbatch` can be called."
         ) from fault
     jobs.update_parameters(name="tp-jax", timeout_min=MINUTES, cpus_per_task=1)
     executor = SlurmJobs(jobs, workers)
