@@ -77,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(done.code or 0)
     try:
         with only_notices(debug=args.debug):
-            args.run(args)
+            status = args.run(args)
             sys.stdout.flush()
     except KeyboardInterrupt as stop:
         # a command that keeps what it has done says how to go on
@@ -88,4 +88,4 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 141
     except Exception as fault:
         return explain(fault, debug=args.debug)
-    return 0
+    return status or 0

@@ -339,15 +339,18 @@ def add_seed(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_campaign(parser: argparse.ArgumentParser, *, default: str | None = None) -> None:
-    """CAMPAIGN, and how a single file was driven."""
+def add_campaign(
+    parser: argparse.ArgumentParser, *, default: str | None = None, several: bool = False
+) -> None:
+    """CAMPAIGN, and how a single file was driven; several: any number of them, as a list."""
     text = "a folder with a campaign.toml, or one recording (then --omega or --decay is needed)"
     if default is None:
         parser.add_argument("campaign", metavar="CAMPAIGN", help=text)
     else:
         parser.add_argument(
-            "campaign", metavar="CAMPAIGN", nargs="?", help=f"{text}; default: {default}"
-        )
+            "campaign", metavar="CAMPAIGN", nargs="*" if several else "?",
+            help=f"{text}; default: {default}",
+        )  # fmt: skip
     drive = parser.add_mutually_exclusive_group()
     drive.add_argument(
         "--omega",
