@@ -146,6 +146,10 @@ def test_progress_is_told_over_all(here, capsys):
     assert said[0]["stage"] == "diagnosing rigs: 0 of 5"
     assert said[-1]["stage"] == "diagnosing rigs: 5 of 5"
     assert [each["part"] for each in said] == [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+    (here / "rigs-diagnosis" / "pieces" / "no_gap-1.json").unlink()
+    assert main(["diagnose", "rigs", "--progress", "json", "--workers", "1", "--resume"]) == 0
+    said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    assert [each["part"] for each in said] == [0.8, 1.0], "what was done before took no time"
 
 
 def test_an_interrupted_fleet_says_how_to_go_on(here, monkeypatch, capsys):

@@ -18,7 +18,7 @@ from tp_jax.cli.arguments import executor_of, load
 from tp_jax.cli.diagnosed import FITS, REPORT, default_folder, diagnosed
 from tp_jax.cli.output import forget, made_folder, ready, write_json, write_text
 from tp_jax.errors import InputError, Notice
-from tp_jax.executors import Ended, Piece, forget_pieces, run_pieces
+from tp_jax.executors import Ended, Piece, done_before, forget_pieces, run_pieces
 from tp_jax.executors.pieces import FOLDER as PIECES
 from tp_jax.executors.slurm_jobs import LOGS
 
@@ -176,14 +176,15 @@ def _ended(args: argparse.Namespace, folder: Path, pieces: Sequence[Piece]) -> l
     found: list[Ended] = []
     with shown(quiet=args.quiet, form=args.progress) as progress:
 
-        def tell() -> None:
-            progress(f"diagnosing rigs: {len(found)} of {len(pieces)}", len(found) / len(pieces))
+        def tell(done: int) -> None:
+            progress(f"diagnosing rigs: {done} of {len(pieces)}", done / len(pieces))
 
-        tell()
+        tell(len(done_before(folder, pieces)))  # which come first, and took no time
         try:
             for ended in run_pieces(WORK, pieces, executor_of(args), folder=folder):
                 found.append(ended)
-                tell()
+                if not ended.kept:
+                    tell(len(found))
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
                 f"Interrupted; what is done is kept in {folder}, and the same command with "

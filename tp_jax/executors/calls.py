@@ -82,9 +82,11 @@ class Outcome:
 def pickled(work: Callable[..., Any], arguments: tuple) -> bytes:
     """Work and arguments; a function of the program that was started is named by its module."""
     if work.__module__ == "__main__":
-        spec = getattr(sys.modules["__main__"], "__spec__", None)
-        if spec is not None and spec.name:
-            work = getattr(importlib.import_module(spec.name), work.__qualname__)
+        program = sys.modules["__main__"]
+        spec, file = getattr(program, "__spec__", None), getattr(program, "__file__", None)
+        name = spec.name if spec is not None else Path(file).stem if file is not None else None
+        if name is not None:  # else it was typed, and other processes cannot import it
+            work = getattr(importlib.import_module(name), work.__qualname__)
     return pickle.dumps((work, arguments))
 
 
