@@ -87,6 +87,7 @@ def test_a_fleet_leaves_a_table_a_page_and_a_folder_for_each_rig(here, capsys):
     assert 'href="explained-1/report.html"' in (out / "fleet.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_same_fleet_has_the_same_table_whatever_the_executor(here, capsys):
     tables = []
     for words in (["--workers", "1"], ["--workers", "3", "--seed", "0"]):
@@ -97,6 +98,7 @@ def test_the_same_fleet_has_the_same_table_whatever_the_executor(here, capsys):
     assert tables[0] == tables[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kinds", "code"), [(["faulty"], 2), (["faulty", "broken"], 1)])
 def test_a_rig_that_fails_is_a_row_with_its_sentence(here, capsys, kinds, code):
     for kind in kinds:
@@ -117,6 +119,7 @@ def test_a_rig_that_fails_is_a_row_with_its_sentence(here, capsys, kinds, code):
         )
 
 
+@pytest.mark.slow
 def test_a_resumed_fleet_does_what_is_left_and_what_has_changed(here):
     campaign(here / "rigs" / "faulty-1")
     words = ["diagnose", "rigs", "--out", "out", "--workers", "2", "--quiet"]
@@ -133,6 +136,7 @@ def test_a_resumed_fleet_does_what_is_left_and_what_has_changed(here):
     assert set(begun(here).values()) == {2, 3}
 
 
+@pytest.mark.slow
 def test_another_seed_is_another_diagnosis(here):
     words = ["diagnose", "rigs", "--workers", "2", "--quiet"]
     assert main(words) == 0
@@ -140,6 +144,7 @@ def test_another_seed_is_another_diagnosis(here):
     assert set(begun(here).values()) == {2}
 
 
+@pytest.mark.slow
 def test_progress_is_told_over_all(here, capsys):
     assert main(["diagnose", "rigs", "--progress", "json", "--workers", "1"]) == 0
     said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]

@@ -57,8 +57,11 @@ def campaigns_of(given: Sequence[str]) -> list[Path] | None:
     """
     if len(given) < 2 and not any(map(_inside, given)):
         return None
-    meant = [campaign for each in given for campaign in _inside(each) or [Path(each)]]
-    return list({campaign.resolve(): campaign for campaign in reversed(meant)}.values())[::-1]
+    found: dict[Path, Path] = {}
+    for each in given:
+        for campaign in _inside(each) or [Path(each)]:
+            found.setdefault(campaign.resolve(), campaign)
+    return list(found.values())
 
 
 def _inside(folder: str) -> list[Path]:
