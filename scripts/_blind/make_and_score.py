@@ -80,7 +80,6 @@ def run_make(args: argparse.Namespace) -> int:
     from tp_jax.cli.progress import shown
     from trials import make
 
-    args.workers = min(args.workers, args.cases)
     with shown(quiet=args.quiet, form=args.progress) as progress:
         digest = make(
             args.directory, args.cases, args.seed, rigs=args.rigs,

@@ -54,7 +54,6 @@ def _coverage(args: argparse.Namespace) -> int:
     _same_study(folder / SETTINGS, settings)
     known = read(folder / RIGS)
     wanted = [i for i in range(args.rigs) if i not in known]
-    args.workers = min(args.workers, max(len(wanted), 1))
     with shown(quiet=False) as progress:
         failed = studied(folder / RIGS, wanted, settings, executor_of(args), until, progress)
     told(failed)

@@ -79,7 +79,7 @@ def test_make_alone(tmp_path, monkeypatch, capsys):
     assert study.main([*words, "--seed", "5"]) == 0
     ((given, more),) = asked
     assert given == (str(tmp_path / "t"), 4, 5)
-    assert (more["rigs"], more["executor"]) == ("rough", ExecutorChoice("local", 4))
+    assert (more["rigs"], more["executor"]) == ("rough", ExecutorChoice("local", 9))
     assert "Made 4 cases" in capsys.readouterr().out
 
 

@@ -11,7 +11,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +102,7 @@ def run_pieces(
             yield Ended(piece, before.result, kept=True)
     if not waiting or time.monotonic() > until:
         return
+    choice = replace(choice, workers=min(choice.workers, len(waiting)))
     deaths: Counter[str] = Counter()
     with choice.opened(folder, pieces_per_worker) as executor:
         running: dict[Future[Outcome], Piece] = {}
