@@ -1,5 +1,6 @@
 """Dask's own executor: of the scheduler that is configured, or of workers on this machine."""
 
+import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -27,10 +28,10 @@ def opened(workers: int) -> Iterator[Executor]:
         with distributed.Client(address) as client:
             yield client.get_executor(pure=False)
         return
-    # no page, and no limit at which workers are paused: a diagnosis takes what it takes
+    # no page, no limit at which workers are paused, no word of each that is lost: the seam counts
     cluster = distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, processes=True, memory_limit=0,
-        dashboard_address=None,
+        dashboard_address=None, silence_logs=logging.ERROR,
     )  # fmt: skip
     with cluster, distributed.Client(cluster) as client:
         yield client.get_executor(pure=False)
