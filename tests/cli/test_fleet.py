@@ -104,9 +104,13 @@ def test_a_rig_that_fails_is_a_row_with_its_sentence(here, capsys, kinds, code):
     for kind in kinds:
         campaign(here / "rigs" / f"{kind}-1")
     assert main(["diagnose", "rigs", "--out", "out", "--workers", "2"]) == code
-    told = capsys.readouterr().out
-    assert "faulty-1: " in told
-    assert "/run.csv has no column t; add one.\n" in told
+    told = capsys.readouterr()
+    assert "faulty-1: " in told.out
+    assert "/run.csv has no column t; add one.\n" in told.out
+    assert told.err == (
+        f"tp-jax: {len(kinds)} of {5 + len(kinds)} rigs could not be diagnosed; out/fleet.json "
+        "says why.\n"
+    )
     rows = json.loads(Path("out/fleet.json").read_text())["rigs"]
     failed = {row["rig"]: row for row in rows if row["verdict"] == "failed"}
     assert set(failed) == {f"{kind}-1" for kind in kinds}

@@ -4,6 +4,7 @@ import argparse
 import hashlib
 import os
 import re
+import sys
 import time
 import tomllib
 import warnings
@@ -13,6 +14,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from tp_jax._files import bytes_of
 from tp_jax._version import __version__
 from tp_jax.cli.arguments import executor_of, load
 from tp_jax.cli.diagnosed import FITS, REPORT, default_folder, diagnosed
@@ -57,10 +59,10 @@ def campaigns_of(given: Sequence[str]) -> list[Path] | None:
     """
     if len(given) < 2 and not any(map(_inside, given)):
         return None
-    found: dict[Path, Path] = {}
+    found: dict[str, Path] = {}
     for each in given:
         for campaign in _inside(each) or [Path(each)]:
-            found.setdefault(campaign.resolve(), campaign)
+            found.setdefault(os.path.abspath(campaign), campaign)
     return list(found.values())
 
 
@@ -73,7 +75,7 @@ def _inside(folder: str) -> list[Path]:
 
 def fleet_name(given: Sequence[str]) -> str:
     """Of the folder that holds the campaigns, if one was given."""
-    return Path(given[0]).resolve().name or NAME if len(given) == 1 else NAME
+    return _text(Path(os.path.abspath(given[0])).name) or NAME if len(given) == 1 else NAME
 
 
 def names_of(campaigns: Sequence[Path]) -> list[str]:
@@ -81,9 +83,9 @@ def names_of(campaigns: Sequence[Path]) -> list[str]:
     taken = {PIECES, LOGS}
     names = []
     for campaign in campaigns:
-        path = campaign.resolve()
+        path = Path(os.path.abspath(campaign))
         path = path.parent if path.name == "campaign.toml" else path
-        plain = re.sub(r"[^\w+=-]+", "-", path.name if path.is_dir() else path.stem)
+        plain = re.sub(r"[^\w+=-]+", "-", path.name if os.path.isdir(path) else path.stem)
         first = plain.strip("-")[:LONGEST_NAME] or "rig"
         name, number = first, 1
         while name.lower() in taken:  # some file systems do not tell A from a
@@ -152,11 +154,12 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
     seconds = time.perf_counter() - begin
 
     from tp_jax.report.fleet import files, page, text
-    from tp_jax.report.fleet.rows import SCHEMA, counts, in_order
+    from tp_jax.report.fleet.rows import FAILED, SCHEMA, counts, in_order
 
     rows = in_order(rows)
+    known = counts(rows)
     result = {
-        "schema": SCHEMA, "fleet": name, "rigs": rows, "verdicts": counts(rows),
+        "schema": SCHEMA, "fleet": name, "rigs": rows, "verdicts": known,
         "provenance": {"version": __version__, "seed": args.seed, "wall_s": round(seconds, 2)},
     }  # fmt: skip
     write_json(folder / TABLE, result)
@@ -168,6 +171,10 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
     if args.json != "-" and not args.quiet:
         print(text.summary(rows))
         print(f"\nFleet: {folder / PAGE}")
+    failures = known[FAILED]
+    if failures:
+        rigs = f"{failures} of {len(rows)} rigs" if len(rows) > 1 else "The rig"
+        print(f"tp-jax: {rigs} could not be diagnosed; {folder / TABLE} says why.", file=sys.stderr)
     return _status(ended)
 
 
@@ -199,9 +206,13 @@ def _ended(args: argparse.Namespace, folder: Path, pieces: Sequence[Piece]) -> l
 def _row(ended: Ended) -> dict[str, Any]:
     from tp_jax.report.fleet.rows import failed
 
-    if ended.fault is None:
-        return ended.result
-    return failed(ended.piece.key, _sentence(ended))
+    row = ended.result if ended.fault is None else failed(ended.piece.key, _sentence(ended))
+    return {name: _text(each) if isinstance(each, str) else each for name, each in row.items()}
+
+
+def _text(text: str) -> str:
+    """The text as files can hold it: names of files may be no text."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _sentence(ended: Ended) -> str:
@@ -226,14 +237,13 @@ def _of(rig: Rig) -> str:
     """Digest of all that goes into a rig's row: a row of other data or settings is not taken."""
     options = (__version__, rig.omega, rig.decay, rig.seed, rig.tolerance, rig.figures)
     digest = hashlib.sha256(repr(options).encode())
-    toml = rig.campaign / "campaign.toml" if rig.campaign.is_dir() else rig.campaign
+    toml = rig.campaign / "campaign.toml" if os.path.isdir(rig.campaign) else rig.campaign
     for file in [toml, *_listed(toml)]:
-        digest.update(f"{file.name}\0".encode())
+        digest.update(os.fsencode(file.name) + b"\0")
         try:
-            with file.open("rb") as stream:
-                digest.update(hashlib.file_digest(stream, "sha256").digest())
-        except OSError:
-            digest.update(b"missing")  # its diagnosis says so
+            digest.update(hashlib.sha256(bytes_of(file)).digest())
+        except (OSError, ValueError):
+            digest.update(b"cannot be read")  # its diagnosis says so
     return digest.hexdigest()
 
 
@@ -242,7 +252,7 @@ def _listed(toml: Path) -> list[Path]:
     if toml.suffix.lower() != ".toml":
         return []
     try:
-        top = tomllib.loads(toml.read_text(encoding="utf-8-sig"))
+        top = tomllib.loads(bytes_of(toml).decode("utf-8-sig"))
         return [toml.parent / str(each["file"]) for each in top["recording"]]
     except (OSError, ValueError, LookupError, TypeError):
         return []
