@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from tp_jax._config import collect_less
 from tp_jax.cli.arguments import Parser
 from tp_jax.cli.faults import explain
 from tp_jax.cli.warned import only_notices
@@ -71,6 +72,7 @@ def build_parser() -> Parser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command; returns its exit code."""
     os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
+    collect_less()
     try:
         args = build_parser().parse_args(argv)
     except SystemExit as done:  # --help, --version, or a fault that argparse has told already

@@ -15,7 +15,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tp_jax._config import compile_small_loops, enable_compilation_cache, use_float64
+from tp_jax._config import (
+    collect_less,
+    compile_small_loops,
+    enable_compilation_cache,
+    use_float64,
+)
 from tp_jax._files import plain, replaced
 from tp_jax.errors import InputError
 from tp_jax.executors.processors import take_one
@@ -134,6 +139,7 @@ def kept_result(file: Path, key: str, of: str) -> Outcome | None:
 @functools.cache  # once in a process
 def _prepare_jax() -> None:
     """As the command line does, before anything is compiled."""
+    collect_less()
     compile_small_loops()
     enable_compilation_cache()
     use_float64()
