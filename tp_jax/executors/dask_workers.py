@@ -4,6 +4,7 @@ import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from typing import Any
 
 from tp_jax.executors.missing import missing
 
@@ -19,7 +20,7 @@ def opened(workers: int) -> Iterator[Executor]:
         InputError: Dask is not installed.
     """
     try:
-        import dask
+        import dask.config
         import distributed
     except ImportError as fault:
         raise missing("dask", "distributed") from fault
@@ -29,9 +30,11 @@ def opened(workers: int) -> Iterator[Executor]:
             yield client.get_executor(pure=False)
         return
     # no page, no limit at which workers are paused, no word of each that is lost: the seam counts
+    settings: dict[str, Any] = {
+        "memory_limit": 0, "dashboard_address": None, "silence_logs": logging.ERROR
+    }  # fmt: skip
     cluster = distributed.LocalCluster(
-        n_workers=workers, threads_per_worker=1, processes=True, memory_limit=0,
-        dashboard_address=None, silence_logs=logging.ERROR,
-    )  # fmt: skip
+        n_workers=workers, threads_per_worker=1, processes=True, **settings
+    )
     with cluster, distributed.Client(cluster) as client:
         yield client.get_executor(pure=False)

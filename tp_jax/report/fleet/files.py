@@ -1,6 +1,7 @@
 """The table of a fleet for other programs: CSV, and Parquet where pyarrow is installed."""
 
 import csv
+import importlib
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -30,13 +31,12 @@ def write_parquet(rows: Sequence[Mapping[str, Any]], path: Path) -> bool:
         OSError: the file cannot be written.
     """
     try:
-        import pyarrow
-        import pyarrow.parquet
+        pyarrow, parquet = map(importlib.import_module, ("pyarrow", "pyarrow.parquet"))
     except ImportError:
         return False
     kinds = {str: pyarrow.string(), float: pyarrow.float64()}
     schema = pyarrow.schema([(name, kinds[kind]) for name, kind in COLUMNS.items()])
     table = pyarrow.Table.from_pylist([dict(row) for row in rows], schema=schema)
     with replaced(path) as part:
-        pyarrow.parquet.write_table(table, part)
+        parquet.write_table(table, part)
     return True
