@@ -62,8 +62,9 @@ class Outcome:
         out: dict[str, Any] = {}
         for name, value in dataclasses.asdict(self).items():
             if isinstance(value, np.ndarray):
-                finite = np.isfinite(value)
-                out[name] = np.where(finite, value.astype(object), [None]).tolist()
+                entries = value.astype(object)
+                entries[~np.isfinite(value)] = None
+                out[name] = entries.tolist()
             else:
                 finite = not isinstance(value, float) or math.isfinite(value)
                 out[name] = value if finite else None
