@@ -6,14 +6,16 @@ its own, one after another.
 """
 
 import dataclasses
+import io
 import json
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tp_jax._files import replaced
+from tp_jax._files import bytes_of, replaced
 
 FORM = 1
 """Of the files; those of another form are made anew."""
@@ -101,9 +103,9 @@ def write(file: Path, saved: Saved) -> None:
 def read(file: Path) -> Saved | None:
     """A saved screen; None if it is of another form, or not whole."""
     try:
-        with np.load(file, allow_pickle=False) as found:
+        with np.load(io.BytesIO(bytes_of(file)), allow_pickle=False) as found:
             arrays: Mapping[str, np.ndarray] = {name: found[name] for name in found.files}
-    except (OSError, ValueError, EOFError):
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
         return None
     told = json.loads(str(arrays["told"]))
     if told.pop("form") != FORM:
