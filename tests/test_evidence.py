@@ -150,7 +150,7 @@ def test_counts():
         ways = {comparison.TODAY: today} | {prior.name: other for prior in PRIORS}
         p = {"today, all tests": 0.5 if kind == "none" else 0.01}
         known = None if kind == "none" else ways
-        return Answer("clean", kind, multiple, p, known, known, known, {})
+        return Answer("clean", kind, multiple, p, known, known, known, dict.fromkeys(ways, other))
 
     told = tables([
         rig("none", None, False, False), rig("one", 1.5, True, False), rig("one", 4.0, False, True),
@@ -165,6 +165,9 @@ def test_counts():
     asked = next(row for row in cells if row[0] == "today, all tests")
     assert asked[1].startswith("0.00")
     assert asked[-1] == "1.00"
+    assert told.splitlines()[-1].split(" | ")[1:] == [
+        "0.00 (0.00–0.79), n 1", "0.67 (0.21–0.94), n 3 |",
+    ]  # fmt: skip
 
 
 def test_screens_that_are_there_are_not_made_again(tmp_path, monkeypatch):

@@ -36,6 +36,11 @@ BANDS = ((1.0, 2.0), (2.0, 3.0), (3.0, np.inf))
 NULLS = ("noise", "noise, its level drawn", "blocks flipped", "blocks drawn")
 """How scores are drawn where there is noise alone; see `null_scores`."""
 
+KINDS = {
+    "none": "nothing hidden", "one": "one effect", "two": "two effects",
+    "cousin": "of another formula", "outside": "outside the catalogue",
+}  # fmt: skip
+
 TODAY = "today"
 
 
@@ -105,7 +110,7 @@ def answer(saved: Saved) -> Answer:
 
 
 def null_scores(saved: Saved, way: str) -> tuple[np.ndarray, np.ndarray]:
-    """Scores (E, D) of noise alone, and the variance (D,) of the noise over the one taken.
+    """Scores (E, D) of noise alone, and its variance (D,) over the one evidence is tempered with.
 
     "noise": as today's test draws them, by the covariance that the noise gives the blocks. "its
     level drawn": the same, with the error of the noise's variance and, where it has a colour, of
@@ -119,16 +124,16 @@ def null_scores(saved: Saved, way: str) -> tuple[np.ndarray, np.ndarray]:
         return saved.blocks.T @ factor, _levels(saved, rng)
     score = saved.noise[:, :DRAWS] * np.sqrt(misfit(saved))
     if way == "noise":
-        return score, np.full(score.shape[1], misfit(saved) * 1.0)
+        return score, np.ones(score.shape[1])
     level = _levels(saved, rng)[: score.shape[1]]
-    return score * np.sqrt(level / misfit(saved)), level
+    return score * np.sqrt(level), level
 
 
 def _levels(saved: Saved, rng: np.random.Generator) -> np.ndarray:
-    """Variance (DRAWS,) of the noise over the one taken, as well as it is known."""
+    """Variance (DRAWS,) of the noise over the one that evidence is tempered with, as known."""
     colour = POLICY.structure.colour if saved.facts["coloured"] else 0.0
     error = np.hypot(saved.facts["floor_error"], colour)
-    return misfit(saved) * np.exp(error * rng.standard_normal(DRAWS))
+    return np.exp(error * rng.standard_normal(DRAWS))
 
 
 def _by_drop(saved: Saved) -> list[Variant]:
@@ -173,7 +178,7 @@ def tables(found: Sequence[Answer]) -> str:
     for rigs in ("clean", "rough"):
         mine = [a for a in found if a.rigs == rigs]
         if mine:
-            parts += [_which(rigs, mine), _anything(rigs, mine)]
+            parts += [_which(rigs, mine), _anything(rigs, mine), _else(rigs, mine)]
     return "\n\n".join(parts)
 
 
@@ -233,6 +238,17 @@ def _anything(rigs: str, found: Sequence[Answer]) -> str:
         )
     heads = ("asked by", "false alarms", *_heads(), "told apart")
     return f"Is there anything, {rigs} rigs, at {LEVEL:g}:\n\n{markdown.table(heads, rows)}"
+
+
+def _else(rigs: str, found: Sequence[Answer]) -> str:
+    """How often *something else* is ahead of every effect, by what is hidden."""
+    kinds = [kind for kind in KINDS if any(a.kind == kind for a in found)]
+    rows = [
+        (prior.name, *(share(a.other[prior.name] for a in found if a.kind == k) for k in kinds))
+        for prior in PRIORS
+    ]
+    heads = ("something else ahead by", *(KINDS[kind] for kind in kinds))
+    return f"Something else before any effect, {rigs} rigs:\n\n{markdown.table(heads, rows)}"
 
 
 def _apart(nothing: Sequence[Answer], hidden: Sequence[Answer], way: str) -> str:

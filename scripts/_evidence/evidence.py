@@ -149,7 +149,8 @@ def of_noise_in_sources(
     larger than it would be together, if anything.
 
     Args:
-        saved: the screen. prior: see `Prior`. level: (D,) variance of the noise over the one taken.
+        saved: the screen. prior: see `Prior`.
+        level: (D,) variance of the noise over the one that evidence is tempered with.
         rng: chance.
     """
     tempered, largest = misfit(saved), np.full(level.size, -np.inf)
