@@ -183,9 +183,8 @@ def _grown(args: argparse.Namespace, ledger: Path, look: Callable[..., Row]) -> 
     tasks = [(rigs, n, args.name, commit, version) for n in many if n not in there]
     about = argparse.Namespace(ledger=ledger, limit_s=limit, workers=args.workers)
     found, status = extended("blind pool", about, look, tasks)
-    print(
-        f"blind: {len(found)} rigs more, {len(there) + len(found)} in all; the same call goes on."
-    )
+    added = f"{len(found)} added, {len(there) + len(found)} rigs in all"
+    print(f"blind: {added}; the same call adds more.")
     return status
 
 

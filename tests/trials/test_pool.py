@@ -49,7 +49,7 @@ def test_calls_add_rigs_and_never_one_twice(pools, capsys):
     rows = pool.read(pools / "demo.jsonl")
     assert [row.number for row in rows] == [1, 2, 3, 4, 5, 6]
     assert len({row.seed for row in rows}) == 6
-    assert "3 rigs more, 6 in all" in capsys.readouterr().out
+    assert "3 added, 6 rigs in all" in capsys.readouterr().out
 
 
 def test_a_line_says_what_was_hidden_and_what_was_found(pools):
