@@ -43,6 +43,9 @@ KINDS = {
 
 TODAY = "today"
 
+ALONE = "effects alone"
+"""Ends a way of asking that leaves *something else* out."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Answer:
@@ -86,14 +89,17 @@ def answer(saved: Saved) -> Answer:
         free = of_sources(saved, prior)
         ranked[prior.name] = _ranked(seen)
         other[prior.name] = max(free.values()) > max(seen.values())
-        largest = max(*seen.values(), *free.values(), 0.0)
-        for name in NULLS if prior is PRIORS[0] else NULLS[1:2]:
+        effects = max(*seen.values(), 0.0)
+        largest = max(effects, *free.values())
+        first = prior is PRIORS[0]
+        for name in NULLS if first else NULLS[1:2]:
             score, level = drawn[name]
-            nothing = np.maximum(
-                largest_of(of_catalogue(saved, score, prior)),
-                of_noise_in_sources(saved, prior, level, np.random.default_rng(SEED)),
-            )
-            p[f"{prior.name}; {name}"] = float((1 + (nothing >= largest).sum()) / (1 + level.size))
+            alone = largest_of(of_catalogue(saved, score, prior))
+            chance = np.random.default_rng(SEED)
+            nothing = np.maximum(alone, of_noise_in_sources(saved, prior, level, chance))
+            p[f"{prior.name}; {name}"] = _p(nothing, largest)
+            if first and name in NULLS[:2]:
+                p[f"{prior.name}; {name}; {ALONE}"] = _p(alone, effects)
     multiples = [each["multiple"] for each in facts["hidden"].values()]
     right = _right(saved)
     places = {each["location"] for each in facts["hidden"].values()}
@@ -107,6 +113,11 @@ def answer(saved: Saved) -> Answer:
         {way: location[order[0]] in places for way, order in ranked.items()} if multiples else None,
         other,
     )  # fmt: skip
+
+
+def _p(nothing: np.ndarray, seen: float) -> float:
+    """Of what was seen, where noise alone gives these (D,)."""
+    return float((1 + (nothing >= seen).sum()) / (1 + nothing.size))
 
 
 def null_scores(saved: Saved, way: str) -> tuple[np.ndarray, np.ndarray]:
