@@ -11,6 +11,7 @@ from scripts._evidence.__main__ import main
 from scripts._evidence.comparison import Answer, answer, null_scores, tables
 from scripts._evidence.evidence import PRIORS, Prior, misfit, of_catalogue, of_sources
 from scripts._evidence.screens import Saved, Variant
+from trials.growing import rig
 
 BLOCKS = 40
 FREE = 60  # coefficients of a source
@@ -179,6 +180,14 @@ def test_screens_that_are_there_are_not_made_again(tmp_path, monkeypatch):
     assert [(number, rigs) for _, number, rigs in asked] == [
         (2, "clean"), (1, "rough"), (3, "clean"), (4, "clean"), (2, "rough"),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("rigs", saving.PARTS)
+def test_a_third_of_the_rigs_hides_nothing(rigs):
+    parts = saving.PARTS[rigs]
+    kinds = [rig(n, saving.SEED, rigs, parts).kind for n in range(1, 25)]
+    assert {kind: kinds.count(kind) for kind in set(kinds)} == {k: 2 * n for k, n in parts.items()}
+    assert kinds.count("none") == 8
 
 
 def test_faults_are_told_in_one_sentence(tmp_path, capsys):
