@@ -4,7 +4,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,7 @@ def run_trial(args: argparse.Namespace) -> int:
         left, executor = undiagnosed(root, args.first), executor_of(args)
         until = begin + args.limit_s
         failed = _done(
-            _diagnose, [(root, name) for name in left], executor, until,
+            diagnose_case, [(root, name) for name in left], executor, until,
             lambda part: progress("diagnosing", part),
         )  # fmt: skip
     left = undiagnosed(root, args.first)
@@ -139,7 +139,8 @@ def _done(
     return failed
 
 
-def _diagnose(root: Path, name: str) -> None:
+def diagnose_case(root: Path, name: str) -> None:
+    """Writes the diagnosis of a case beside it, made with the defaults."""
     import tp_jax as tp
     from tp_jax.cli.output import plain, write_json
     from trials.seal import diagnosis_file
@@ -154,7 +155,8 @@ def _sealed(root: Path, name: str) -> Path:
     return diagnosis_file(root, name).with_name("sealed.json")
 
 
-def _wants_shrink(entry: dict[str, Any]) -> bool:
+def wants_shrink(entry: Mapping[str, Any]) -> bool:
+    """Whether the model of a case is asked how far it closes the gap."""
     return entry["kind"] in ("one", "two")
 
 
@@ -167,14 +169,14 @@ def _wants_harm(root: Path, entry: dict[str, Any]) -> bool:
 
 def _on_sealed(root: Path, entry: dict[str, Any]) -> bool:
     """Whether the sealed runs of a case are to be predicted."""
-    return _wants_shrink(entry) or _wants_harm(root, entry)
+    return wants_shrink(entry) or _wants_harm(root, entry)
 
 
 def _waits(root: Path, name: str, entry: dict[str, Any]) -> bool:
     """Whether they have not been, as far as they are to be."""
     from trials.harm import kept_file
 
-    shrink = _wants_shrink(entry) and not _sealed(root, name).is_file()
+    shrink = wants_shrink(entry) and not _sealed(root, name).is_file()
     return shrink or (_wants_harm(root, entry) and not kept_file(root, name).is_file())
 
 
@@ -184,7 +186,7 @@ def _predict(root: Path, name: str, entry: dict[str, Any]) -> None:  # noqa: ARG
     from trials.sealed_runs import measured
 
     diagnosis = read_diagnosis(root, entry)
-    if _wants_shrink(entry):
+    if wants_shrink(entry):
         measured(root, entry, diagnosis)
     measured_harm(root, entry, diagnosis)
 

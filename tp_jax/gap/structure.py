@@ -19,7 +19,7 @@ readings' steps hide their noise, scores are drawn with the rounding (`rounding`
 """
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -58,15 +58,25 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
     observed = _statistics(blocks[:, :, None], forms)[:, 0]
+    largest = np.concatenate(
+        [_statistics(drawn, forms).max(axis=0) for drawn in scores_of_noise(seen, seed)]
+    )
+    p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
+    return Structure(float(p.min()), p, largest.size)
+
+
+def scores_of_noise(seen: Screen, seed: int) -> Iterator[np.ndarray]:
+    """Scores (B, E, CHUNK) by block that noise alone would give, after the fit: `DRAWS` in all.
+
+    Args:
+        seen: what a screen found. With coarse readings there are `OF_ROUNDING` draws.
+        seed: of the draws.
+    """
     root = _roots(seen.by_block)
     rng = np.random.default_rng(seed)
     draws = DRAWS if seen.rounding is None else OF_ROUNDING
-    largest = np.concatenate([
-        _statistics(_drawn(root, seen, rng), forms).max(axis=0)
-        for _ in range(draws // CHUNK)
-    ])  # fmt: skip
-    p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
-    return Structure(float(p.min()), p, largest.size)
+    for _ in range(draws // CHUNK):
+        yield _drawn(root, seen, rng)
 
 
 def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarray:
