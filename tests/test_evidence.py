@@ -174,10 +174,10 @@ def test_counts():
 def test_screens_that_are_there_are_not_made_again(tmp_path, monkeypatch):
     screens.write(saving.file_of(tmp_path, "clean", 1), screen())
     asked = []
-    monkeypatch.setattr(saving, "over_all_cores", lambda _, left, *a, **k: asked.extend(left) or [])
+    monkeypatch.setattr(saving, "run_pieces", lambda _, left, *a, **k: asked.extend(left) or [])
     monkeypatch.setattr(saving.os, "nice", lambda _: 0)
     assert main(["save", "--to", str(tmp_path), "--clean", "4", "--rough", "2"]) == 0
-    assert [(number, rigs) for _, number, rigs in asked] == [
+    assert [(number, rigs) for _, number, rigs in (piece.arguments for piece in asked)] == [
         (2, "clean"), (1, "rough"), (3, "clean"), (4, "clean"), (2, "rough"),
     ]  # fmt: skip
 

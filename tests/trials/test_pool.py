@@ -9,6 +9,7 @@ from scripts import _ledger
 from scripts._blind import pool
 from scripts._blind.__main__ import main
 from tests.trials.conftest import diagnosis_of, part_of_key
+from tp_jax.executors import Ended
 from trials.growing import PLANNED, rig
 
 SEALED = {"shrink": 0.9, "best": 0.95, "harm_windowed": False, "harm_free_run": None}
@@ -34,12 +35,10 @@ def pools(tmp_path, monkeypatch):
     monkeypatch.setattr(pool, "FOLDER", tmp_path / "in-hand")
     monkeypatch.setattr(pool, "_version", lambda: ("v1", "c1"))
 
-    def three(work, tasks, workers, until):
-        for task in tasks[:3]:
-            done = {"exception": lambda self: None, "result": lambda self, t=task: answer(*t)}
-            yield task, type("Done", (), done)()
+    def three(_, pieces, *args, **kwargs):
+        return [Ended(piece, answer(*piece.arguments)) for piece in pieces[:3]]
 
-    monkeypatch.setattr(_ledger, "over_all_cores", three)
+    monkeypatch.setattr(_ledger, "run_pieces", three)
     return tmp_path
 
 
