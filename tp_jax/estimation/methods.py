@@ -29,7 +29,7 @@ def fitter(name: str | Solver, setting: Setting, objective: Objective) -> Method
         setting: what is fitted. objective: what is minimised.
     """
     if name in (LEAST_SQUARES, NELDER_MEAD):
-        return variable_projection.fit
+        return functools.partial(variable_projection.fit, kinks=True)
     solver = optimistix_methods.SOLVERS[name] if isinstance(name, str) else name
     blocks = max(len(problem_of(setting, r).blocks()) for r in rungs(setting, objective))
     evaluations = optimistix_methods.EVALUATIONS if isinstance(name, str) else AT_MOST
