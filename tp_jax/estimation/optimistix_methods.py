@@ -8,14 +8,14 @@ states are put where they fit best inside the function.
 
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, PyTree, Scalar
 
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
@@ -23,10 +23,11 @@ from tp_jax.estimation.fitted import Anchor, Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.projected_gauss_newton import VariableProjection
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.variable_projection import NOTHING, SETTLED
 from tp_jax.estimation.window_residuals import WindowResiduals, window_residuals
-from tp_jax.estimation.window_states import settle
+from tp_jax.estimation.window_states import KINK, settle, state_steps
 
 log = logging.getLogger(__name__)
 
@@ -34,20 +35,34 @@ log = logging.getLogger(__name__)
 Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
 SOLVER_KINDS = (optx.AbstractLeastSquaresSolver, optx.AbstractMinimiser)
 
-NEAR = 0.02  # standard errors: closer than that no method needs to come
-RUNS = 8  # of the method, with its coordinates scaled anew in between
-EVALUATIONS = 30  # of a run
+RUNS = 12  # of the method, with its coordinates scaled and the windows settled anew in between
+EVALUATIONS = 12  # of a run: windows that began in the wrong place hold up more of them
 RANK = 1e-10  # relative eigenvalue of the information below which a direction is not scaled up
 HELD = 1e-4  # weight of a coordinate's way from its origin: what no residual tells stays there
 
-# By the root mean square: in the largest of ten thousand residuals a window's kink never ends.
-_ENDS = {"rtol": 1e-8, "atol": NEAR, "norm": optx.rms_norm}
+# By the root mean square: in the largest of ten thousand residuals a window's kink never ends. The
+# other tolerance is that of the fit, see `_ending`.
+_ENDS = {"rtol": 1e-8, "atol": 0.02, "norm": optx.rms_norm}
+
+
+class DampedGaussNewton(optx.AbstractGaussNewton):
+    """Gauss-Newton steps, halved until they go down: `optimistix.GaussNewton` takes them as they
+    are, and where the model is wrong the first ones from afar go up."""
+
+    rtol: float | Array
+    atol: float | Array
+    norm: Callable[[PyTree], Scalar]
+    descent: optx.NewtonDescent = optx.NewtonDescent()
+    search: optx.BacktrackingArmijo = optx.BacktrackingArmijo()
+    verbose: Callable[..., None] = eqx.field(static=True, default=lambda **_: None)
+
 
 #: By the name on the command line.
 SOLVERS: dict[str, Solver] = {
+    "variable-projection": VariableProjection(),
     "levenberg-marquardt": optx.LevenbergMarquardt(**_ENDS),
     "dogleg": optx.Dogleg(**_ENDS),
-    "gauss-newton": optx.GaussNewton(**_ENDS),
+    "gauss-newton": DampedGaussNewton(**_ENDS),
     "bfgs": optx.BFGS(**_ENDS),
 }
 
@@ -89,6 +104,7 @@ def fit(
     anchors: Sequence[Anchor] = (),
     max_iterations: int = RUNS,
     evaluations: int = EVALUATIONS,
+    ends: bool = False,
     tolerance: float = 0.02,
     relative: float = 1e-6,
     loss: Loss = "linear",
@@ -102,6 +118,8 @@ def fit(
         solver: of optimistix; `SOLVERS` has those with a name.
         max_iterations: runs of the method at most.
         evaluations: in a run at most.
+        ends: whether the method is told to end where it has nothing to gain; otherwise it ends by
+            its own tolerances.
         blocks: of windows that other horizons of the campaign have, so that one compiled program
             serves them all.
     """
@@ -122,7 +140,7 @@ def fit(
     passes = 1.0
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
     if lin.complete.all():
-        settled = settle(problem, values, states, lin, slots, loss=loss)
+        settled = settle(problem, values, states, lin, slots, loss=loss, kinks=True)
         states, passes = settled.states, passes + settled.passes
     cost = lin.cost() + _prior(u, unknowns, anchors)
     converged, message = False, "The limit of runs was reached."
@@ -132,7 +150,8 @@ def fit(
         if not np.isfinite(cost):
             break
         slope = np.array([s.slope(v) for s, v in zip(specs, values.pick(unknowns), strict=True)])
-        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope)
+        kinked = state_steps(lin, np.zeros(problem.windows.n))[1] >= KINK
+        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
         for a in anchors:
             i = unknowns.index(a.unknown)
@@ -146,10 +165,11 @@ def fit(
             break
         needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
         windows = window_residuals(
-            problem, values, states, unknowns, specs, anchors, blocks=needed, loss=loss,
-            enough=SETTLED * unit,
+            problem, values, states, elim.state_gain, unknowns, specs, anchors, blocks=needed,
+            loss=loss, enough=SETTLED * unit,
         )  # fmt: skip
-        found, spent = _search(solver, evaluations, _scaled(windows, u, (low, high), g, H, unit))
+        method = _ending(solver, enough / unit, len(unknowns)) if ends else solver
+        found, spent = _search(method, evaluations, _scaled(windows, u, (low, high), g, H, unit))
         passes += float(spent)
         new_u = np.clip(np.asarray(found), low, high)
         if not np.isfinite(new_u).all():
@@ -160,7 +180,7 @@ def fit(
         new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
         passes += 1.0
         if new_lin.complete.all():
-            settled = settle(problem, new_values, new_states, new_lin, slots, loss=loss)
+            settled = settle(problem, new_values, new_states, new_lin, slots, loss=loss, kinks=True)
             new_states, passes = settled.states, passes + settled.passes
         new_cost = new_lin.cost() + _prior(new_u, unknowns, anchors)
         log.debug("%s: run %d cost %.8g -> %.8g, %d evaluations",
@@ -181,6 +201,16 @@ def fit(
         problem, values, states, unknowns, cost, elim, lin, at_bound, converged,
         math.ceil(passes), message, tuple(anchors),
     )  # fmt: skip
+
+
+def _ending(solver: Solver, enough: float, unknowns: int) -> Solver:
+    """The method, which ends where a step gains less than `enough`, in the residuals' units.
+
+    A standard error of each unknown is a way of one in the method's coordinates, and costs one.
+    """
+    promises = isinstance(solver, VariableProjection)
+    atol = enough if promises else math.sqrt(enough / max(unknowns, 1))
+    return eqx.tree_at(lambda s: s.atol, solver, jnp.asarray(atol))
 
 
 def _scaled(

@@ -158,7 +158,8 @@ def fit(
                 break
             elif passes > max_iterations:
                 break
-            elif kinks and not settled:  # the states' own steps may be to blame: a kink keeps none of them
+            elif kinks and not settled:
+                # The states' own steps may be to blame: a kink keeps none of them.
                 put_right(values, states, lin, SETTLED * unit)
                 cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
                 settled = again = True

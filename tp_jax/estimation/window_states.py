@@ -9,8 +9,7 @@ Where the rider of a window just sticks, the window's sum of squares has a kink,
 there, with slopes on both sides that point to the other. The way further down leads along the kink:
 against the shortest mean of the slopes of both sides, which a step that was refused tells.
 
-Source: Wolfe (1975), Math. Program. Study 3:145 (minimisation of what has kinks); Lemarechal (1975),
-Math. Program. Study 3:95.
+Source: Wolfe (1975), Math. Program. Study 3:145; Lemarechal (1975), Math. Program. Study 3:95.
 """
 
 import dataclasses
