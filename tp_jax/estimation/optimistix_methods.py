@@ -17,6 +17,7 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Array, Float, Int, PyTree, Scalar
 
+from tp_jax.estimation import variable_projection
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Anchor, Fit, parameter
@@ -36,6 +37,7 @@ Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
 SOLVER_KINDS = (optx.AbstractLeastSquaresSolver, optx.AbstractMinimiser)
 
 RUNS = 12  # of the method, with its coordinates scaled and the windows settled anew in between
+TOGETHER = 1  # steps of the windows' states and the unknowns together before the first run
 EVALUATIONS = 12  # of a run: windows that began in the wrong place hold up more of them
 RANK = 1e-10  # relative eigenvalue of the information below which a direction is not scaled up
 HELD = 1e-4  # weight of a coordinate's way from its origin: what no residual tells stays there
@@ -130,18 +132,19 @@ def fit(
     to = lambda x: np.array(  # noqa: E731
         [float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)]
     )
+    # The windows of another horizon have states that fit neither the unknowns nor each other. A
+    # step of all together brings them near; settled before it, many end in minima of their own.
+    begun = variable_projection.fit(
+        problem, values, unknowns, states, bounds=bounds, anchors=anchors, max_iterations=TOGETHER,
+        tolerance=tolerance, relative=relative, loss=loss, kinks=True,
+    )  # fmt: skip
+    settled = np.array_equal(begun.values.table, values.table)  # no step was to be had otherwise
+    values, states, lin, passes = begun.values, begun.states, begun.linearisation, begun.evaluations
     floor = np.array([1e-300 if s.transform == "log" else -np.inf for s in specs])
     low, high = (to(np.maximum(end, floor)) for end in limits.T)
     slots = columns(unknowns)
-    u = to(np.clip(values.pick(unknowns), *limits.T))
-    values = values.put(unknowns, _values(specs, u, limits))
-    states = problem.initial_states(values) if states is None else states
-    lin = robust(problem.linearise(values, states, slots), loss)
-    passes = 1.0
+    u = to(values.pick(unknowns))
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
-    if lin.complete.all():
-        settled = settle(problem, values, states, lin, slots, loss=loss, kinks=True)
-        states, passes = settled.states, passes + settled.passes
     cost = lin.cost() + _prior(u, unknowns, anchors)
     converged, message = False, "The limit of runs was reached."
     if not np.isfinite(cost):
@@ -150,7 +153,7 @@ def fit(
         if not np.isfinite(cost):
             break
         slope = np.array([s.slope(v) for s, v in zip(specs, values.pick(unknowns), strict=True)])
-        kinked = state_steps(lin, np.zeros(problem.windows.n))[1] >= KINK
+        kinked = state_steps(lin, np.zeros(problem.windows.n))[1] >= KINK if settled else None
         elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
         for a in anchors:
@@ -164,24 +167,25 @@ def fit(
             converged, message = True, "Another run of the method would gain nothing."
             break
         needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
+        begin = states + elim.state_step
         windows = window_residuals(
-            problem, values, states, elim.state_gain, unknowns, specs, anchors, blocks=needed,
+            problem, values, begin, elim.state_gain, unknowns, specs, anchors, blocks=needed,
             loss=loss, enough=SETTLED * unit,
         )  # fmt: skip
         method = _ending(solver, enough / unit, len(unknowns)) if ends else solver
-        found, spent = _search(method, evaluations, _scaled(windows, u, (low, high), g, H, unit))
+        best, spent = _search(method, evaluations, _scaled(windows, u, (low, high), g, H, unit))
         passes += float(spent)
-        new_u = np.clip(np.asarray(found), low, high)
+        new_u = np.clip(np.asarray(best), low, high)
         if not np.isfinite(new_u).all():
             message = "The method left the region that can be integrated."
             break
         new_values = values.put(unknowns, _values(specs, new_u, limits))
-        new_states = states + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
+        new_states = begin + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
         new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
         passes += 1.0
         if new_lin.complete.all():
-            settled = settle(problem, new_values, new_states, new_lin, slots, loss=loss, kinks=True)
-            new_states, passes = settled.states, passes + settled.passes
+            found = settle(problem, new_values, new_states, new_lin, slots, loss=loss, kinks=True)
+            new_states, passes = found.states, passes + found.passes
         new_cost = new_lin.cost() + _prior(new_u, unknowns, anchors)
         log.debug("%s: run %d cost %.8g -> %.8g, %d evaluations",
                   type(solver).__name__, run, cost, new_cost, int(spent))  # fmt: skip
@@ -190,6 +194,7 @@ def fit(
             break
         gained = cost - new_cost
         u, values, states, lin, cost = new_u, new_values, new_states, new_lin, new_cost
+        settled = True
         if gained < enough:
             converged, message = True, "The last run of the method gained nothing."
             break
