@@ -224,11 +224,13 @@ def _scaled(
 ) -> _Scaled:  # fmt: skip
     """Coordinates in which the information at the reference is one.
 
-    An unknown at a bound is left out of them where the best step leaves it there.
+    An unknown that the best step takes to a bound, or leaves there, is put there and left out of
+    them: a method that knows no bounds would go on against it.
     """
     low, high = box
     step = bounded_step(g, H, low - u, high - u, 0.0).du
-    free = ((u > low) & (u < high)) | (step != 0.0)
+    free = (step > low - u) & (step < high - u)
+    u = np.where(free, u, np.clip(u + step, low, high))
     Hf = H[np.ix_(free, free)] / unit
     scale = np.sqrt(np.maximum(np.diag(Hf), 1e-12 * max(np.diag(Hf).max(initial=0.0), 1e-300)))
     values, vectors = np.linalg.eigh(Hf / np.outer(scale, scale))
