@@ -50,7 +50,7 @@ def test_a_rival_is_left_with_what_no_fit_of_it_explains():
     left = _left(of_saved(lin), None, rival)
     for run in range(2):
         which = np.flatnonzero(lin.recording == run)
-        # all states of the run's windows and the rival's numbers at once, with what is known of them
+        # the windows' states and the rival's numbers at once, with what is known of these
         full = np.zeros((which.size * 24 + 2, 4 * which.size + 2))
         for j, w in enumerate(which):
             full[24 * j : 24 * (j + 1), 4 * j : 4 * (j + 1)] = lin.states_jac[w]
