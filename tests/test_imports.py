@@ -18,6 +18,7 @@ ALLOWED: dict[str, set[str]] = {
     "errors": set(),
     "_digits": set(),
     "_files": set(),
+    "_blas": set(),
     "_memory": set(),
     "_tails": set(),
     "_version": set(),
@@ -34,9 +35,10 @@ ALLOWED: dict[str, set[str]] = {
     "recordings": set(),
     "checks": {"recordings"},
     "acquisition": {"recordings"},
-    "estimation": {"_stored", "model", "effects", "simulation", "recordings"},
+    "estimation": {"_blas", "_stored", "model", "effects", "simulation", "recordings"},
     "identifiability": {"model", "effects", "simulation", "recordings", "estimation"},
     "sensitivity_analysis": {
+        "_blas",
         "model",
         "effects",
         "simulation",
@@ -44,7 +46,15 @@ ALLOWED: dict[str, set[str]] = {
         "estimation",
         "identifiability",
     },
-    "gap": {"model", "effects", "simulation", "recordings", "estimation", "identifiability"},
+    "gap": {
+        "_blas",
+        "model",
+        "effects",
+        "simulation",
+        "recordings",
+        "estimation",
+        "identifiability",
+    },
     # its simulator is to be independent of the model it puts to the test
     "rig": {"recordings", "acquisition"},
     "report": {

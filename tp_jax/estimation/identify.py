@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from tp_jax._blas import one_blas_thread
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation import methods
@@ -43,6 +44,7 @@ SETTLED = 0.01  # relative change of a noise level that is not worth another rou
 Progress = Callable[[str, float | None], None]
 
 
+@one_blas_thread()
 def identify(
     campaign: Campaign,
     *,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tp_jax._blas import one_blas_thread
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
@@ -98,6 +99,7 @@ def diagnose(
     return Diagnosis(examination.result)
 
 
+@one_blas_thread()
 def examine(
     campaign: Campaign,
     *,

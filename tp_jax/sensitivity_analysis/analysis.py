@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tp_jax._blas import one_blas_thread
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
@@ -58,6 +59,7 @@ class SensitivityAnalysis:
         return summary(self.result)
 
 
+@one_blas_thread()
 def sensitivity(
     campaign: Campaign,
     *,
