@@ -2,8 +2,9 @@
 
 All minimise one function, `window_residuals`, in coordinates in which one standard error is one:
 none of them scales by itself. None knows bounds either: beyond one the function is constant, and an
-unknown that a bound stops is left out of the next run, or let go if it wants back. The windows'
-states are put where they fit best inside the function.
+unknown that the best step takes to a bound is put there for a run, and let go if it wants back. The
+windows' states are put where they fit best inside the function, from where the run's reference and
+its slopes take them; between two runs they are settled anew.
 """
 
 import logging

@@ -3,7 +3,8 @@
 Methods of optimistix minimise it. The windows' states are no unknowns of theirs: inside the
 function each window's state is put where the window fits best, so that what the method sees is the
 sum of squares that `variable_projection` minimises. The Jacobian is Kaufman's: the columns by the
-unknowns, less what the states make up for. It comes from the same integration as the residuals.
+unknowns, less what the states make up for; a state in a kink makes up along it alone (see
+`window_states`). It comes from the same integration as the residuals.
 
 Source: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10:413; Kaufman (1975), BIT 15:49.
 """
