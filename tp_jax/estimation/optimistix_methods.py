@@ -144,9 +144,10 @@ def fit(
     floor = np.array([1e-300 if s.transform == "log" else -np.inf for s in specs])
     low, high = (to(np.maximum(end, floor)) for end in limits.T)
     slots = columns(unknowns)
-    u = to(values.pick(unknowns))
+    u = to(np.maximum(values.pick(unknowns), floor))
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
     cost = lin.cost() + _prior(u, unknowns, anchors)
+    to_bounds = True
     converged, message = False, "The limit of runs was reached."
     if not np.isfinite(cost):
         message = "The start could not be integrated."
@@ -174,7 +175,8 @@ def fit(
             loss=loss, enough=SETTLED * unit,
         )  # fmt: skip
         method = _ending(solver, enough / unit, len(unknowns)) if ends else solver
-        best, spent = _search(method, evaluations, _scaled(windows, u, (low, high), g, H, unit))
+        scaled, moved = _scaled(windows, u, (low, high), g, H, unit, to_bounds=to_bounds)
+        best, spent = _search(method, evaluations, scaled)
         passes += float(spent)
         new_u = np.clip(np.asarray(best), low, high)
         if not np.isfinite(new_u).all():
@@ -190,12 +192,20 @@ def fit(
         new_cost = new_lin.cost() + _prior(new_u, unknowns, anchors)
         log.debug("%s: run %d cost %.8g -> %.8g, %d evaluations",
                   type(solver).__name__, run, cost, new_cost, int(spent))  # fmt: skip
+        if not new_cost < cost and moved:  # what went to a bound should have stayed where it was
+            to_bounds = False
+            continue
+        if not new_cost < cost and not settled:
+            found = settle(problem, values, states, lin, slots, loss=loss, kinks=True)
+            states, passes, settled = found.states, passes + found.passes, True
+            cost = lin.cost() + _prior(u, unknowns, anchors)
+            continue
         if not new_cost < cost:
             converged, message = run > 0, "Another run of the method gained nothing."
             break
         gained = cost - new_cost
         u, values, states, lin, cost = new_u, new_values, new_states, new_lin, new_cost
-        settled = True
+        settled = to_bounds = True
         if gained < enough:
             converged, message = True, "The last run of the method gained nothing."
             break
@@ -221,16 +231,20 @@ def _ending(solver: Solver, enough: float, unknowns: int) -> Solver:
 
 def _scaled(
     windows: WindowResiduals, u: np.ndarray, box: tuple[np.ndarray, np.ndarray], g: np.ndarray,
-    H: np.ndarray, unit: float,
-) -> _Scaled:  # fmt: skip
-    """Coordinates in which the information at the reference is one.
+    H: np.ndarray, unit: float, *, to_bounds: bool,
+) -> tuple[_Scaled, bool]:  # fmt: skip
+    """Coordinates in which the information at the reference is one; whether an unknown was moved.
 
-    An unknown that the best step takes to a bound, or leaves there, is put there and left out of
-    them: a method that knows no bounds would go on against it.
+    An unknown at a bound is left out of them where the best step leaves it there. So is one that
+    the step takes to a bound, and it is put there: a method that knows no bounds would go on
+    against it. With `to_bounds` false only the first are left out.
     """
     low, high = box
     step = bounded_step(g, H, low - u, high - u, 0.0).du
     free = (step > low - u) & (step < high - u)
+    if not to_bounds:
+        free |= step != 0.0
+    moved = bool((step[~free] != 0.0).any())
     u = np.where(free, u, np.clip(u + step, low, high))
     Hf = H[np.ix_(free, free)] / unit
     scale = np.sqrt(np.maximum(np.diag(Hf), 1e-12 * max(np.diag(Hf).max(initial=0.0), 1e-300)))
@@ -238,7 +252,8 @@ def _scaled(
     values = np.maximum(values, RANK * values.max(initial=1e-300))
     axes = np.zeros_like(H)
     axes[np.ix_(free, free)] = vectors / np.sqrt(values) / scale[:, None]
-    return _Scaled(windows, *map(jnp.asarray, (u, axes, low, high, math.sqrt(unit))))
+    scaled = _Scaled(windows, *map(jnp.asarray, (u, axes, low, high, math.sqrt(unit))))
+    return scaled, moved
 
 
 @eqx.filter_jit
