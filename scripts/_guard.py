@@ -13,9 +13,9 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
-from scripts._workers import fault_of, over_all_cores
-from tp_jax.cli.arguments import Parser, count, positive
+from tp_jax.cli.arguments import Parser, add_executor, executor_of, positive
 from tp_jax.errors import InputError
+from tp_jax.executors import ExecutorChoice, Piece, run_pieces
 
 ROOT = Path(__file__).parent.parent
 KEPT = ROOT / "trials" / "guard.json"
@@ -89,8 +89,7 @@ def _parser() -> Parser:
                         help="compare with this version instead of trials/guard.json")  # fmt: skip
     parser.add_argument("--folder", metavar="DIR", default=str(FOLDER),
                         help="of the rigs and their diagnoses (default .cache/guard)")  # fmt: skip
-    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
-                        help="processes (default: as many as processors)")  # fmt: skip
+    add_executor(parser)
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
                         help="begin no rig after so many seconds")  # fmt: skip
     parser.add_argument("--made-only", action="store_true",
@@ -105,7 +104,7 @@ def _guard(args: Any) -> int:
     from tp_jax.cli.output import write_json
 
     folder = Path(args.folder)
-    made = _made(folder, args.workers)
+    made = _made(folder, executor_of(args))
     rigs = {name: (folder / name.replace("-", "/", 1), hidden) for name, hidden in made.items()}
     beside = {} if args.made_only else _beside()
     rows = folder / args.name
@@ -120,11 +119,11 @@ def _guard(args: Any) -> int:
     left = [task for task in tasks if not task[0].is_file()]
     status = 0
     until = time.monotonic() + args.limit_s
-    for (file, *_), future in over_all_cores(_diagnose, left, args.workers, until):
-        fault = fault_of(future)
-        told = "is done" if fault is None else f"failed: {fault}"
-        print(f"guard: {file.stem} {told}", file=sys.stderr)
-        status = status if fault is None else 1
+    pieces = [Piece(task[0].stem, task) for task in left]  # each writes its own result
+    for ended in run_pieces(_diagnose, pieces, executor_of(args), until=until):
+        told = "is done" if ended.fault is None else f"failed: {ended.fault}"
+        print(f"guard: {ended.piece.key} {told}", file=sys.stderr)
+        status = status if ended.fault is None else 1
     found = _read_all(rows)
     if args.keep:
         if status or len(found) < len(rigs):
@@ -145,7 +144,7 @@ def _beside() -> dict[str, tuple[Path, tuple[str, ...]]]:
     return {name: (place, ()) for name, place in zip(names, places, strict=True)}
 
 
-def _made(folder: Path, workers: int) -> dict[str, tuple[str, ...]]:
+def _made(folder: Path, executor: ExecutorChoice) -> dict[str, tuple[str, ...]]:
     """Names of the rigs and what is hidden in each; made where they are not there."""
     from trials import make
     from trials.seal import KEY
@@ -154,7 +153,7 @@ def _made(folder: Path, workers: int) -> dict[str, tuple[str, ...]]:
     for kind, cases in RIGS.items():
         if not (folder / kind / KEY).is_file():
             folder.mkdir(parents=True, exist_ok=True)
-            make(folder / kind, cases, SEED, rigs=kind, workers=workers)
+            make(folder / kind, cases, SEED, rigs=kind, executor=executor)
         key = json.loads((folder / kind / KEY).read_text(encoding="utf-8"))
         for entry in key["cases"]:
             out[f"{kind}-{entry['case']}"] = tuple(entry["given"]["effects"])

@@ -7,26 +7,25 @@ are of a version of the program, so that those of another are not pooled with th
 import argparse
 import dataclasses
 import json
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from scripts._workers import fault_of, over_all_cores
 from tp_jax._version import __version__
-from tp_jax.cli.arguments import count, positive
+from tp_jax.cli.arguments import add_executor, executor_of, positive
+from tp_jax.executors import Piece, run_pieces
 
 
 def add_ledger(parser: argparse.ArgumentParser, ledger: Path) -> None:
-    """Arguments that a study with a ledger takes: --ledger, --version, --workers, --limit-s."""
+    """Arguments that a study with a ledger takes: --ledger, --version, --limit-s, and those of
+    `add_executor`."""
     parser.add_argument("--ledger", metavar="FILE", default=str(ledger),
                         help=f"where lines are added (default trials/{ledger.name})")  # fmt: skip
     parser.add_argument("--version", metavar="V", default=__version__,
                         help="of the lines that count (default that of the package)")  # fmt: skip
-    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
-                        help="processes (default: as many as processors)")  # fmt: skip
+    add_executor(parser)
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
                         help="begin no rig after so many seconds")  # fmt: skip
 
@@ -63,14 +62,14 @@ def extended(
     with ledger.open("a", encoding="utf-8") as file:
         if file.tell() and not ledger.read_bytes().endswith(b"\n"):
             file.write("\n")  # of a line that was cut off
-        for task, future in over_all_cores(look, tasks, args.workers, until):
-            fault = fault_of(future)
-            if fault is None:
-                found.append(future.result())
+        pieces = [Piece("-".join(map(str, task[:-1])), task) for task in tasks]
+        for ended in run_pieces(look, pieces, executor_of(args), until=until):
+            if ended.fault is None:
+                found.append(ended.result)
                 file.write(json.dumps(dataclasses.asdict(found[-1])) + "\n")
                 file.flush()
             else:
-                rig = " ".join(map(str, task[:-1]))  # the last member is the version
-                print(f"{study}: rig {rig} failed: {fault}", file=sys.stderr)
+                rig = " ".join(map(str, ended.piece.arguments[:-1]))  # the last is the version
+                print(f"{study}: rig {rig} failed: {ended.fault}", file=sys.stderr)
                 status = 1
     return found, status

@@ -15,9 +15,10 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 from scripts._carried_out import carried_out
 from scripts._coverage.pool import mend, read
 from scripts._coverage.rig import PROFILED
-from tp_jax.cli.arguments import Parser, add_seed, count, positive
+from tp_jax.cli.arguments import Parser, add_executor, add_seed, count, executor_of, positive
 from tp_jax.cli.output import made_folder, plain, write_json
 from tp_jax.errors import InputError
+from tp_jax.executors import Piece, run_pieces
 
 SCHEMA = "tp-jax/multistart/1"
 RIGS, NUMBERS = "rigs.jsonl", "multistart.json"
@@ -44,6 +45,7 @@ def _parser() -> Parser:
         "--raw-starts", action="store_true", help="as `tp-jax identify --raw-starts`"
     )
     add_seed(parser)
+    add_executor(parser)
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
                         help="begin no rig after so many seconds")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="short campaigns, to see it work")
@@ -52,12 +54,8 @@ def _parser() -> Parser:
 
 
 def _study(args: Any) -> int:
-    from tp_jax._config import compile_small_loops, enable_compilation_cache, use_float64
     from tp_jax.cli.progress import shown
 
-    compile_small_loops()
-    use_float64()
-    enable_compilation_cache()
     until = time.monotonic() + args.limit_s
     folder = made_folder(args.out)
     settings = {"seed": args.seed, "starts": args.starts, "quick": args.quick}
@@ -67,23 +65,29 @@ def _study(args: Any) -> int:
     if any(entry["settings"] != settings for entry in known.values()):
         raise InputError(f"{folder} holds a study with other settings; give another --out.")
     mend(folder / RIGS)
+    failed = 0
     with shown(quiet=False) as progress, (folder / RIGS).open("a", encoding="utf-8") as file:
-        for i in range(args.rigs):
-            if i in known:
+        left = [i for i in range(args.rigs) if i not in known]
+        progress("rigs", len(known) / args.rigs)
+        pieces = [Piece(f"rig-{i}", (i, args)) for i in left]
+        for ended in run_pieces(_rig, pieces, executor_of(args), until=until):
+            i = ended.piece.arguments[0]
+            if ended.fault is not None:
+                failed = 1
+                print(f"multistart: rig {i} failed: {ended.fault}", file=sys.stderr)
                 continue
-            if time.monotonic() > until:
-                break
-            progress("rigs", i / args.rigs)
-            known[i] = {"rig": i, "settings": settings, **_rig(i, args)}
+            known[i] = {"rig": i, "settings": settings, **ended.result}
             file.write(json.dumps(plain(known[i]), allow_nan=False) + "\n")
             file.flush()
+            progress("rigs", len(known) / args.rigs)
+    known = dict(sorted(known.items()))
     found = tally(known)
     write_json(folder / NUMBERS, {"schema": SCHEMA, "settings": settings, **found})
     print("\n".join(lines(found)))
     if len(known) < args.rigs:
         print(f"{args.rigs - len(known)} of {args.rigs} rigs are left; the same call goes on.")
     print(f"Wrote {folder / NUMBERS}")
-    return 0
+    return failed
 
 
 def _rig(number: int, args: Any) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import pytest
 
 from scripts import _ledger
 from scripts._explore_trial import STAND_IN, Row, hide, main, needed, read, table
+from tp_jax.executors import Ended, Piece
 
 ROW = Row(1, STAND_IN, "v", "a", 1.5, (None, "b", "a"), ("a", None, "a", "a"), "cause", 1.0)
 
@@ -40,15 +41,8 @@ def test_a_line_after_one_that_was_cut_off_stands_alone(tmp_path, monkeypatch):
     ledger = tmp_path / "explore.jsonl"
     whole = json.dumps(dataclasses.asdict(ROW))
     ledger.write_bytes(f"{whole}\n{whole}é".encode()[:-1])
-
-    class Done:
-        def exception(self):
-            return None
-
-        def result(self):
-            return dataclasses.replace(ROW, seed=2)
-
-    monkeypatch.setattr(_ledger, "over_all_cores", lambda *_: [((2, STAND_IN, "v"), Done())])
+    ended = Ended(Piece("2", (2, STAND_IN, "v")), dataclasses.replace(ROW, seed=2))
+    monkeypatch.setattr(_ledger, "run_pieces", lambda *_, **__: [ended])
     assert main(["--rigs", "2", "--version", "v", "--ledger", str(ledger)]) == 0
     assert [row.seed for row in read(ledger)] == [1, 2]
 

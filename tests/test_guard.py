@@ -5,6 +5,7 @@ import json
 from scripts import _guard as guard
 from scripts import _ledger
 from scripts import _nulls as nulls
+from tp_jax.executors import Ended
 
 
 def row(verdict="explained", causes=("column_tilt",), shrink=0.9, cpu_s=40.0) -> guard.Row:
@@ -32,7 +33,7 @@ def test_what_has_changed_is_shown():
 def test_a_changed_rig_is_a_fault(tmp_path, monkeypatch, capsys):
     """All rigs are diagnosed already, so nothing is."""
     made = {"clean-case-001": (), "rough-case-001": ("column_tilt",)}
-    monkeypatch.setattr(guard, "_made", lambda folder, workers: made)
+    monkeypatch.setattr(guard, "_made", lambda folder, executor: made)
     monkeypatch.setattr(guard, "KEPT", tmp_path / "trials" / "guard.json")
     now = tmp_path / "now"
     now.mkdir()
@@ -62,16 +63,12 @@ def test_alarms_are_counted_by_kind():
 def test_a_ledger_goes_on_where_it_was(tmp_path, monkeypatch, capsys):
     looked = []
 
-    def one(work, tasks, workers, until):
-        for task in tasks:
-            looked.append(task[:2])
-            future = type("Done", (), {
-                "exception": lambda self: None,
-                "result": lambda self, t=task: nulls.Row(*t, 0.5, False, (), 1e-3, 1.0),
-            })()  # fmt: skip
-            yield task, future
+    def one(work, pieces, choice, *, until):
+        for piece in pieces:
+            looked.append(piece.arguments[:2])
+            yield Ended(piece, nulls.Row(*piece.arguments, 0.5, False, (), 1e-3, 1.0))
 
-    monkeypatch.setattr(_ledger, "over_all_cores", one)
+    monkeypatch.setattr(_ledger, "run_pieces", one)
     words = ["--ledger", str(tmp_path / "l.jsonl"), "--kinds", "slow,rough", "--seeds"]
     assert nulls.main([*words, "1"]) == 0
     assert nulls.main([*words, "2"]) == 0

@@ -28,6 +28,7 @@ ALLOWED: dict[str, set[str]] = {
     "_compiler": {"_processor"},
     "_config": {"_cache", "_compiler", "_processor"},
     "_stored": {"_compiler", "_compiling", "_config", "_memory", "_processor"},
+    "executors": {"_config"},
     "schemas": set(),
     "model": set(),
     "effects": {"model"},
@@ -73,7 +74,7 @@ ALLOWED["cli"] = {"root", *ALLOWED}
 ALLOWED["__main__"] = {"cli"}
 ALLOWED["root"] = {*ALLOWED} - {"cli", "__main__"}
 # beside the package, in the repository alone
-ALLOWED["trials"] = {"effects", "recordings", "estimation", "gap", "rig"}
+ALLOWED["trials"] = {"effects", "executors", "recordings", "estimation", "gap", "rig"}
 BESIDE = {"trials", "scripts", "tests"}
 
 JAX = {"jax", "jaxlib", "jaxtyping", "equinox", "diffrax", "optimistix", "lineax"}
@@ -87,6 +88,7 @@ FORBIDDEN = {
     "_cache": {*JAX, "numpy", "scipy"},
     "_processor": {*JAX, "numpy", "scipy"},
     "schemas": {*JAX, "numpy", "scipy"},
+    "executors": {*JAX, "numpy", "scipy"},
     # simulators of different make
     "rig": JAX,
     # a page that waits for a diagnosis in another process takes no memory for one
@@ -99,7 +101,7 @@ FORBIDDEN = {
 OPTIONAL = {
     "openpyxl", "h5py", "pyarrow", "nptdms", "mcap", "mcap_ros2", "pandas",
     "zstandard", "compression", "tty", "serial.tools.list_ports", "starlette", "uvicorn",
-    "arviz", "arviz_base", "tp_jax.serve.server",
+    "arviz", "arviz_base", "tp_jax.serve.server", "ray", "dask", "distributed", "submitit",
 }  # fmt: skip
 #: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
 WITH_JAX = {"jax", "diffrax", "tp_jax.simulation.rodas4", "tp_jax.simulation.reversal_controller"}

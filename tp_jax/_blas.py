@@ -1,9 +1,15 @@
 """How many threads the linear algebra of NumPy and SciPy takes."""
 
 import contextlib
+import os
 from collections.abc import Iterator
 
-from threadpoolctl import threadpool_limits
+_VARIABLE = "KMP_DUPLICATE_LIB_OK"
+_before = os.environ.get(_VARIABLE)
+from threadpoolctl import threadpool_limits  # noqa: E402
+
+if _before is None:  # threadpoolctl sets it for Intel's OpenMP; a program's environment is its own
+    os.environ.pop(_VARIABLE, None)
 
 
 @contextlib.contextmanager

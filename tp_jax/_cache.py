@@ -84,7 +84,7 @@ def clean(root: Path, policy: Policy | None = None) -> None:
             _take(path, unless=whole)
     with suppress(OSError):
         stamp.touch()
-        os.utime(stamp, (begun - policy.settled_s,) * 2)
+        os.utime(stamp, (begun - policy.settled_s, begun - policy.settled_s))
     total = sum(about.st_size for _, about in files)
     if total <= policy.most_bytes:
         return

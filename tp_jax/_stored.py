@@ -23,6 +23,7 @@ from typing import Any
 import jax
 import jaxlib
 from jax import export
+from jax.core import Tracer
 
 from tp_jax import _compiling, _processor
 from tp_jax._compiler import compiler_options, loops_left_alone
@@ -78,7 +79,7 @@ class Stored:
         """The function's value; traceable, and then like any jitted function."""
         static, arrays = args[: self.static], args[self.static :]
         leaves, tree = jax.tree.flatten(arrays)
-        if any(isinstance(x, jax.core.Tracer) for x in leaves):
+        if any(isinstance(x, Tracer) for x in leaves):
             return self.jitted(*args)
         shapes = tuple((x.shape, x.dtype) for x in leaves)
         key = (static, tree, shapes)
@@ -112,7 +113,7 @@ class Stored:
             return None
         about = (
             self.function.__qualname__, described, shapes, source_digest(), jax.__version__,
-            jaxlib.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
+            jaxlib.version.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
             loops_left_alone(),
             platform.python_version(), _processor.name(), jax.config.read("jax_enable_x64"),
         )  # fmt: skip

@@ -1,6 +1,7 @@
 """Blind trials: campaigns with something hidden, a sealed key, and what the diagnoses are worth.
 
     plan, draw, restart, projection, detectable, hiding -> case    no model: the virtual rig alone
+    plan -> growing                                                an endless row of rigs
     rough, rough_runs -> rough_case -> case -> make                rigs that differ in everything
     recorder -> recorded                                           any runs, any recorder
     effects                                                        beyond the package's catalogue

@@ -95,7 +95,7 @@ def _measure(root: Path, entry: Mapping[str, Any], diagnosis: Mapping[str, Any])
     # a channel has its mean over all windows, and the mean over channels is what counts
     return {
         "windowed": worse(one, two, weights),
-        "free_run": worse(*free, np.ones(len(free[0]))),
+        "free_run": worse(free[0], free[1], np.ones(len(free[0]))),
         "rms": {
             "windowed": [_root(each.mean_square()) for each in held],
             "free_run": [_root(float(each.mean())) for each in free],

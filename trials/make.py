@@ -2,17 +2,16 @@
 
 import dataclasses
 import json
-import multiprocessing
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
 from tp_jax._files import replaced
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
+from tp_jax.executors import ExecutorChoice, Piece, run_pieces
 from trials.case import PART_OF_KEY, Settings, make_case
 from trials.plan import Case, plan_cases
 from trials.rough import RoughSettings
@@ -31,7 +30,7 @@ def make(
     *,
     rigs: str = "clean",
     settings: Settings | RoughSettings | None = None,
-    workers: int = 1,
+    executor: ExecutorChoice | None = None,
     progress: Progress | None = None,
 ) -> str:
     """Makes a sealed trial of campaigns, in which something is hidden or nothing.
@@ -43,10 +42,10 @@ def make(
         directory: where to; must be empty or not there.
         cases: how many, in the proportions 200 with one effect of the catalogue, 120 without, 60
             with one from outside it, 60 with two; rough ones `plan.ROUGH_PARTS`.
-        seed: of everything random; the same seed makes the same trial, whatever `workers`.
+        seed: of everything random; the same seed makes the same trial, whatever `executor`.
         rigs: "clean": all recorded alike; "rough": see `RoughSettings`.
         settings: how campaigns are made; of the kind that `rigs` says.
-        workers: processes that make them.
+        executor: what makes them; None: this process.
         progress: called with a stage's name and the part of it that is done.
 
     Returns:
@@ -71,7 +70,7 @@ def make(
     digest = _begin(part, wanted)
     if digest is None:
         made: dict[str, dict[str, Any]] = {}
-        for name, entry in _made(part, plan, settings, workers):
+        for name, entry in _made(part, plan, settings, executor):
             made[name] = entry
             if progress is not None:
                 progress("making cases", len(made) / len(plan))
@@ -112,18 +111,19 @@ def _begin(part: Path, wanted: dict[str, Any]) -> str | None:
 
 
 def _made(
-    part: Path, plan: list[Case], settings: Settings | RoughSettings, workers: int
+    part: Path,
+    plan: list[Case],
+    settings: Settings | RoughSettings,
+    executor: ExecutorChoice | None,
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """Cases as they are done."""
-    if workers <= 1:
+    if executor is None:
         for case in plan:
             yield case.name, make_case(part, case, settings)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        waiting = {pool.submit(make_case, part, case, settings): case for case in plan}
-        try:
-            for done in as_completed(waiting):
-                yield waiting[done].name, done.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+    # each case keeps its own part of the key
+    pieces = [Piece(case.name, (part, case, settings)) for case in plan]
+    for ended in run_pieces(make_case, pieces, executor, uses_jax=False):
+        if ended.fault is not None:
+            raise ended.fault.error()
+        yield ended.piece.key, ended.result

@@ -40,13 +40,16 @@ class Case:
         return {"none": 0, "two": 2}.get(self.kind, 1)
 
 
-def plan_cases(cases: int, seed: int, rigs: str = "clean") -> list[Case]:
+def plan_cases(
+    cases: int, seed: int, rigs: str = "clean", parts: Mapping[str, int] | None = None
+) -> list[Case]:
     """The cases of a trial, the same for the same arguments.
 
     Args:
         cases: how many in all.
         seed: of the draw.
         rigs: one of `RIGS`.
+        parts: how many of each kind, if not as `RIGS` has them.
 
     Raises:
         InputError: there are none, or no such rigs.
@@ -58,7 +61,7 @@ def plan_cases(cases: int, seed: int, rigs: str = "clean") -> list[Case]:
     rough = rigs == "rough"
     # the two kinds of trials share no chance
     rng = np.random.default_rng([seed, 2 if rough else 0])
-    kinds = [kind for kind, n in counts(cases, RIGS[rigs]).items() for _ in range(n)]
+    kinds = [kind for kind, n in counts(cases, parts or RIGS[rigs]).items() for _ in range(n)]
     rng.shuffle(kinds)
     every = catalogue().values()
     inside = [e.id for e in every if e.in_catalogue]

@@ -32,6 +32,7 @@ VALID: tuple[tuple[str, ...], ...] = (
     ("sensitivity", "rig", "--spread", "1.2", "--samples", "64", "--profile", "k", "--json", "-"),
     ("diagnose", "rig", "--tolerance", "0.01", "--seed", "1", "--out", "d", "--json", "d.json"),
     ("diagnose", "rig/decay.csv", "--decay", "--quiet"),
+    ("diagnose", "rig", "rig/decay.csv", "--decay", "--out", "d", "--workers", "1", "--resume"),
     ("predict", "diagnosis.json", "--omega", "13", "--duration", "1", "--rate", "50"),
     ("predict", "diagnosis.json", "--phi1", "0.5", "--duration", "1", "--rate", "50", "--model",
      "before", "--out", "p.csv"),
@@ -64,6 +65,7 @@ WORK = (
     ("tp_jax", "identify"), ("tp_jax", "sensitivity"), ("tp_jax", "diagnose"),
     ("tp_jax", "simulate"), ("tp_jax", "predict"), ("trials", "make"),
     ("tp_jax.rig.serve", "serve_until_interrupted"), ("tp_jax.acquisition.recorder", "record"),
+    ("tp_jax.cli.fleet", "run_pieces"),
 )  # fmt: skip
 
 

@@ -7,13 +7,15 @@ from collections.abc import Sequence
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
-from scripts._blind import make_and_score, run
+from scripts._blind import make_and_score, pool, run
 from scripts._carried_out import carried_out
 from tp_jax.cli.arguments import Parser
 from tp_jax.cli.warned import only_notices
 
 RUN = "run"
 """The command that a line without one means."""
+
+POOL = "pool"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -26,7 +28,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         args = parser.parse_args(words)
     except SystemExit as done:  # --help, or a fault that argparse has told already
         return int(done.code or 0)
-    return carried_out("blind", _carry_out, args, resumes=args.command == RUN)
+    return carried_out("blind", _carry_out, args, resumes=args.command in (RUN, POOL))
 
 
 def _carry_out(args: argparse.Namespace) -> int:
@@ -46,6 +48,7 @@ def _parser() -> tuple[Parser, set[str]]:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     make_and_score.add_parsers(commands)
     run.add_parser(commands)
+    pool.add_parser(commands)
     return parser, set(commands.choices)
 
 

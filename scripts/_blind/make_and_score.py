@@ -3,12 +3,19 @@
 import argparse
 from pathlib import Path
 
-from tp_jax.cli.arguments import add_common, add_json, add_progress, add_seed, count, whole
+from tp_jax.cli.arguments import (
+    add_common,
+    add_executor,
+    add_json,
+    add_progress,
+    add_seed,
+    count,
+    executor_of,
+    whole,
+)
 
 MOST_CASES = 100_000
 """Of a trial: a month of making them, and longer to diagnose them."""
-
-MOST_WORKERS = 1_000
 
 
 def add_parsers(commands: argparse._SubParsersAction) -> None:
@@ -30,9 +37,7 @@ def add_parsers(commands: argparse._SubParsersAction) -> None:
         help="clean: all alike, 6 runs of 10 s at 250 Hz (default); rough: rates, lengths, noise, "
         "converters, drives and numbers differ from case to case",
     )  # fmt: skip
-    make.add_argument(
-        "--workers", metavar="N", type=processes, help="processes (default: as many as processors)"
-    )
+    add_executor(make)
     add_seed(make)
     add_progress(make)
     add_common(make)
@@ -65,15 +70,8 @@ def cases(text: str) -> int:
     return whole(text, least=1, most=MOST_CASES)
 
 
-def processes(text: str) -> int:
-    """A number of processes."""
-    return whole(text, least=1, most=MOST_WORKERS)
-
-
 def run_make(args: argparse.Namespace) -> int:
     """Exit code."""
-    import os
-
     from tp_jax.cli.output import made_folder
 
     # before anything is loaded; the trial grows beside its place
@@ -82,11 +80,10 @@ def run_make(args: argparse.Namespace) -> int:
     from tp_jax.cli.progress import shown
     from trials import make
 
-    workers = args.workers or os.cpu_count() or 1
     with shown(quiet=args.quiet, form=args.progress) as progress:
         digest = make(
             args.directory, args.cases, args.seed, rigs=args.rigs,
-            workers=min(workers, args.cases), progress=progress,
+            executor=executor_of(args), progress=progress,
         )  # fmt: skip
     if not args.quiet:
         print(f"Made {args.cases} cases in {args.directory}; SHA-256 of the key: {digest}")

@@ -2,17 +2,16 @@
 
 import argparse
 import json
-import os
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from scripts import _markdown as markdown
-from scripts._workers import fault_of, over_all_cores
-from tp_jax.cli.arguments import add_seed, count, positive
+from tp_jax.cli.arguments import add_executor, add_seed, count, executor_of, positive
 from tp_jax.errors import InputError
+from tp_jax.executors import ExecutorChoice, Piece, run_pieces
 
 LAST = 12  # tasks of a process; its compiled programs add up
 
@@ -30,8 +29,7 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     parser.add_argument("--rigs", choices=("clean", "rough"), default="clean",
                         help="as `scripts/blind make --rigs` (default clean)")  # fmt: skip
     add_seed(parser)
-    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
-                        help="processes (default: as many as processors)")  # fmt: skip
+    add_executor(parser)
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
                         help="begin no case after so many seconds; what is known is scored "
                         "once all are diagnosed")  # fmt: skip
@@ -61,13 +59,13 @@ def run_trial(args: argparse.Namespace) -> int:
     with shown(quiet=False) as progress:
         if not (root / "KEY.sha256").is_file():
             make(
-                root, args.cases, args.seed, rigs=args.rigs, workers=args.workers,
+                root, args.cases, args.seed, rigs=args.rigs, executor=executor_of(args),
                 progress=progress,
             )  # fmt: skip
-        left, workers = undiagnosed(root, args.first), args.workers
+        left, executor = undiagnosed(root, args.first), executor_of(args)
         until = begin + args.limit_s
         failed = _done(
-            _diagnose, [(root, name) for name in left], workers, until,
+            diagnose_case, [(root, name) for name in left], executor, until,
             lambda part: progress("diagnosing", part),
         )  # fmt: skip
     left = undiagnosed(root, args.first)
@@ -82,7 +80,7 @@ def run_trial(args: argparse.Namespace) -> int:
         if not args.quick:
             asked = [(root, e["case"], e) for e in entries if _on_sealed(root, e)]
             failed = _done(
-                _predict, asked, workers, until,
+                _predict, asked, executor, until,
                 lambda part: progress("predicting the sealed runs", part),
             )  # fmt: skip
             for name, fault in failed.items():
@@ -125,24 +123,24 @@ def _markdown(scored: dict[str, Any], seed: int) -> str:
 def _done(
     work: Callable[..., None],
     tasks: Sequence[tuple],
-    workers: int,
+    executor: ExecutorChoice,
     until: float,
     progress: Callable[[float], None],
 ) -> dict[str, str]:
-    """Each task (root, case, ...) in one of some processes; faults by case."""
+    """Each task (root, case, ...), whose work writes its own result; faults by case."""
     failed: dict[str, str] = {}
     progress(0.0)
-    for done, (task, future) in enumerate(
-        over_all_cores(work, tasks, workers, until, last=LAST), start=1
-    ):
-        fault = fault_of(future)
-        if fault is not None:
-            failed[task[1]] = fault
+    pieces = [Piece(task[1], task) for task in tasks]
+    ended = run_pieces(work, pieces, executor, until=until, pieces_per_worker=LAST)
+    for done, each in enumerate(ended, start=1):
+        if each.fault is not None:
+            failed[each.piece.key] = str(each.fault)
         progress(done / len(tasks))
     return failed
 
 
-def _diagnose(root: Path, name: str) -> None:
+def diagnose_case(root: Path, name: str) -> None:
+    """Writes the diagnosis of a case beside it, made with the defaults."""
     import tp_jax as tp
     from tp_jax.cli.output import plain, write_json
     from trials.seal import diagnosis_file
@@ -157,7 +155,8 @@ def _sealed(root: Path, name: str) -> Path:
     return diagnosis_file(root, name).with_name("sealed.json")
 
 
-def _wants_shrink(entry: dict[str, Any]) -> bool:
+def wants_shrink(entry: Mapping[str, Any]) -> bool:
+    """Whether the model of a case is asked how far it closes the gap."""
     return entry["kind"] in ("one", "two")
 
 
@@ -170,14 +169,14 @@ def _wants_harm(root: Path, entry: dict[str, Any]) -> bool:
 
 def _on_sealed(root: Path, entry: dict[str, Any]) -> bool:
     """Whether the sealed runs of a case are to be predicted."""
-    return _wants_shrink(entry) or _wants_harm(root, entry)
+    return wants_shrink(entry) or _wants_harm(root, entry)
 
 
 def _waits(root: Path, name: str, entry: dict[str, Any]) -> bool:
     """Whether they have not been, as far as they are to be."""
     from trials.harm import kept_file
 
-    shrink = _wants_shrink(entry) and not _sealed(root, name).is_file()
+    shrink = wants_shrink(entry) and not _sealed(root, name).is_file()
     return shrink or (_wants_harm(root, entry) and not kept_file(root, name).is_file())
 
 
@@ -187,7 +186,7 @@ def _predict(root: Path, name: str, entry: dict[str, Any]) -> None:  # noqa: ARG
     from trials.sealed_runs import measured
 
     diagnosis = read_diagnosis(root, entry)
-    if _wants_shrink(entry):
+    if wants_shrink(entry):
         measured(root, entry, diagnosis)
     measured_harm(root, entry, diagnosis)
 

@@ -12,7 +12,7 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 
 from scripts._carried_out import carried_out
 from scripts._coverage.settings import QUICK, Settings
-from tp_jax.cli.arguments import Parser, add_seed, count, positive
+from tp_jax.cli.arguments import Parser, add_executor, add_seed, count, executor_of, positive
 from tp_jax.cli.output import made_folder, write_json
 from tp_jax.errors import InputError
 
@@ -33,8 +33,7 @@ def _parser() -> Parser:
     parser.add_argument("--out", metavar="DIR", default="out/coverage", help="./out/coverage")
     parser.add_argument("--rigs", metavar="N", type=count, default=500, help="default 500")
     add_seed(parser)
-    parser.add_argument("--workers", metavar="N", type=count, default=os.cpu_count() or 1,
-                        help="processes (default: as many as processors)")  # fmt: skip
+    add_executor(parser)
     parser.add_argument("--runs", metavar="N", type=count, help="recordings of a campaign (6)")
     parser.add_argument("--duration", metavar="S", type=positive, help="of a recording (10)")
     parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
@@ -56,9 +55,7 @@ def _coverage(args: argparse.Namespace) -> int:
     known = read(folder / RIGS)
     wanted = [i for i in range(args.rigs) if i not in known]
     with shown(quiet=False) as progress:
-        failed = studied(
-            folder / RIGS, wanted, settings, min(args.workers, max(len(wanted), 1)), until, progress
-        )
+        failed = studied(folder / RIGS, wanted, settings, executor_of(args), until, progress)
     told(failed)
     results = {i: r for i, r in read(folder / RIGS).items() if i < args.rigs}
     found = tally(results)

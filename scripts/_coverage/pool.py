@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from scripts._coverage.settings import Settings
-from scripts._workers import fault_of, over_all_cores
+from tp_jax.executors import ExecutorChoice, Piece, run_pieces
 
 
 def read(path: Path) -> dict[int, dict[str, Any]]:
@@ -29,7 +29,7 @@ def studied(
     path: Path,
     numbers: Sequence[int],
     settings: Settings,
-    workers: int,
+    executor: ExecutorChoice,
     until: float,
     progress: Callable[[str, float | None], None],
 ) -> dict[int, str]:
@@ -42,16 +42,14 @@ def studied(
     if not numbers:
         return failed
     mend(path)
-    tasks = [(number, settings) for number in numbers]
+    pieces = [Piece(f"rig-{number}", (number, settings)) for number in numbers]
     with path.open("a", encoding="utf-8") as file:
-        ended = over_all_cores(one, tasks, workers, until)
-        for done, ((number, _), future) in enumerate(ended, start=1):
-            fault = fault_of(future)
-            if fault is None:
-                file.write(future.result() + "\n")
+        for done, ended in enumerate(run_pieces(one, pieces, executor, until=until), start=1):
+            if ended.fault is None:
+                file.write(ended.result + "\n")
                 file.flush()
             else:
-                failed[number] = fault
+                failed[ended.piece.arguments[0]] = str(ended.fault)
             progress("rigs", done / len(numbers))
     return failed
 

@@ -36,6 +36,7 @@ EXAMPLES = {
     "diagnose": (
         "tp-jax diagnose                  # the example that comes with the package",
         "tp-jax diagnose my-rig --out first --seed 1",
+        "tp-jax diagnose rigs/* --out fleet --workers 8 --resume",
     ),
     "compare": ("tp-jax compare before-repair after-repair --html repair.html",),
     "predict": (

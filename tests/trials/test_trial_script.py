@@ -8,6 +8,7 @@ import pytest
 import trials
 from scripts._blind import __main__ as study
 from tests.trials.test_score import CASES
+from tp_jax.executors import ExecutorChoice
 from trials import score
 
 
@@ -78,7 +79,7 @@ def test_make_alone(tmp_path, monkeypatch, capsys):
     assert study.main([*words, "--seed", "5"]) == 0
     ((given, more),) = asked
     assert given == (str(tmp_path / "t"), 4, 5)
-    assert (more["rigs"], more["workers"]) == ("rough", 4)
+    assert (more["rigs"], more["executor"]) == ("rough", ExecutorChoice("local", 9))
     assert "Made 4 cases" in capsys.readouterr().out
 
 

@@ -45,4 +45,5 @@ def _from_rest(run: Recording, policy: StartPolicy) -> bool:
     if part.sum() < policy.samples:
         return False
     still = float(np.abs(run.phi1[part] - np.median(run.phi1[part])).max())
-    return still < max(policy.noise * noise_level(run.t, run.phi1), policy.way * np.std(run.phi1))
+    rest = max(policy.noise * noise_level(run.t, run.phi1), policy.way * float(np.std(run.phi1)))
+    return still < rest

@@ -6,19 +6,14 @@ Exit codes: 0 done; 2 bad input, with one sentence on standard error; 1 a fault 
 interrupted.
 """
 
-import gc
 import os
 import sys
 from collections.abc import Sequence
 
+from tp_jax._config import collect_less
 from tp_jax.cli.arguments import Parser
 from tp_jax.cli.faults import explain
 from tp_jax.cli.warned import only_notices
-
-COLLECT_AFTER = (100_000, 20, 100)
-"""Objects made since the last look for unreachable ones, and looks by generation (Python's own:
-700, 10, 10). Tracing a program makes millions that stay: a tenth of a diagnosis' CPU time went
-into looking through them. Most memory is freed without a look."""
 
 
 def build_parser() -> Parser:
@@ -77,14 +72,14 @@ def build_parser() -> Parser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command; returns its exit code."""
     os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
-    gc.set_threshold(*COLLECT_AFTER)
+    collect_less()
     try:
         args = build_parser().parse_args(argv)
     except SystemExit as done:  # --help, --version, or a fault that argparse has told already
         return int(done.code or 0)
     try:
         with only_notices(debug=args.debug):
-            args.run(args)
+            status = args.run(args)
             sys.stdout.flush()
     except KeyboardInterrupt as stop:
         # a command that keeps what it has done says how to go on
@@ -95,4 +90,4 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 141
     except Exception as fault:
         return explain(fault, debug=args.debug)
-    return 0
+    return status or 0

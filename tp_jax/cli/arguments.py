@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from tp_jax.cli.progress import FORMS
 from tp_jax.errors import InputError, Notice
+from tp_jax.executors import KINDS, ExecutorChoice, available
 
 if TYPE_CHECKING:
     from tp_jax.recordings import Campaign
@@ -30,6 +31,9 @@ FASTEST_DRIVE = 1e4
 """rad/s beyond which no motor turns."""
 
 MOST_STARTS = 1_000_000
+
+MOST_WORKERS = 1_000
+"""Pieces in hand at once: each may be a process."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -136,6 +140,11 @@ def frequencies(text: str) -> tuple[float, float]:
 def starts(text: str) -> int:
     """A number of starts."""
     return whole(text, least=1, most=MOST_STARTS)
+
+
+def workers(text: str) -> int:
+    """A number of workers."""
+    return whole(text, least=1, most=MOST_WORKERS)
 
 
 def fixed(text: str) -> tuple[str, float]:
@@ -284,6 +293,24 @@ def add_progress(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_executor(parser: argparse._ActionsContainer) -> None:
+    """--executor and --workers, of what does many independent pieces of work."""
+    parser.add_argument(
+        "--executor", choices=KINDS, default=KINDS[0],
+        help="what does the work: processes of this machine (default), Ray, Dask, or Slurm's jobs; "
+        "docs/scale.md says how each is told where",
+    )  # fmt: skip
+    parser.add_argument(
+        "--workers", metavar="N", type=workers, default=available(),
+        help="how much is done at once (default: as many as processors)",
+    )  # fmt: skip
+
+
+def executor_of(args: argparse.Namespace) -> ExecutorChoice:
+    """What `add_executor`'s arguments ask for."""
+    return ExecutorChoice(args.executor, args.workers)
+
+
 def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json", metavar="F", help="write the result as JSON; - : to standard output, alone"
@@ -312,15 +339,18 @@ def add_seed(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_campaign(parser: argparse.ArgumentParser, *, default: str | None = None) -> None:
-    """CAMPAIGN, and how a single file was driven."""
+def add_campaign(
+    parser: argparse.ArgumentParser, *, default: str | None = None, several: bool = False
+) -> None:
+    """CAMPAIGN, and how a single file was driven; several: any number of them, as a list."""
     text = "a folder with a campaign.toml, or one recording (then --omega or --decay is needed)"
     if default is None:
         parser.add_argument("campaign", metavar="CAMPAIGN", help=text)
     else:
         parser.add_argument(
-            "campaign", metavar="CAMPAIGN", nargs="?", help=f"{text}; default: {default}"
-        )
+            "campaign", metavar="CAMPAIGN", nargs="*" if several else "?",
+            help=f"{text}; default: {default}",
+        )  # fmt: skip
     drive = parser.add_mutually_exclusive_group()
     drive.add_argument(
         "--omega",

@@ -4,13 +4,14 @@ import argparse
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from datetime import date
 from pathlib import Path
 
+from tp_jax.cli import fleet
 from tp_jax.cli.arguments import (
     LARGEST_ANGLE,
     add_campaign,
     add_common,
+    add_executor,
     add_json,
     add_parent,
     add_progress,
@@ -19,13 +20,12 @@ from tp_jax.cli.arguments import (
     non_negative,
     up_to,
 )
+from tp_jax.cli.diagnosed import FITS, REPORT, default_folder, diagnosed
 from tp_jax.cli.ending import end_with_standard_input
-from tp_jax.cli.output import forget, plain, ready, replaced, write_json
+from tp_jax.cli.output import forget, ready, write_json
 from tp_jax.errors import InputError
 
 tolerance = up_to(non_negative, LARGEST_ANGLE, "rad")
-
-FITS = "fits.json"
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "case-02"
 
@@ -36,14 +36,18 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="find where the gap lies, what causes it, how far it shrinks",
         description=(
             "Diagnoses the gap between the model and a campaign of recordings; writes a report "
-            "to be read and a diagnosis.json that `tp-jax predict` continues from."
+            "to be read and a diagnosis.json that `tp-jax predict` continues from. Several "
+            "campaigns, or a folder of them, are a fleet: each is diagnosed in a folder of its own "
+            "in DIR, which gets a table and a page of all of them."
         ),
         epilog=(
             f"Until the command ends, DIR/{FITS} keeps the fits that are done, also of a command "
-            "that is killed; --resume goes on from there, to the same result."
+            "that is killed; --resume goes on from there, to the same result. A fleet keeps each "
+            "rig that is done in DIR/pieces; it ends with 0 if all rigs could be diagnosed, and "
+            "else with 2 (a rig's input is to be mended) or 1 (a fault of ours)."
         ),
     )
-    add_campaign(parser, default="the example that comes with the package")
+    add_campaign(parser, default="the example that comes with the package", several=True)
     parser.add_argument(
         "--out", metavar="DIR", help="gets report.html and diagnosis.json (./NAME-diagnosis)"
     )
@@ -58,18 +62,13 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--resume", action="store_true", help="go on from a diagnosis that was broken off"
     )
+    add_executor(parser.add_argument_group("of a fleet"))
     add_seed(parser)
     add_json(parser)
     add_progress(parser)
     add_parent(parser)
     add_common(parser)
     parser.set_defaults(run=run)
-
-
-def default_folder(name: str) -> Path:
-    """./NAME-diagnosis; a name that speaks of folders stays one folder here."""
-    flat = name.replace("/", "-").replace("\\", "-").strip(". ")
-    return Path(f"{flat or 'campaign'}-diagnosis")
 
 
 @contextmanager
@@ -92,34 +91,27 @@ def _kept(file: Path, *, resume: bool) -> Iterator[None]:
         raise
 
 
-def run(args: argparse.Namespace) -> None:
+def run(args: argparse.Namespace) -> int:
     if args.until_stdin_closes:
         end_with_standard_input()
-    campaign = load(args, EXAMPLE if args.campaign is None else args.campaign)
+    campaigns = fleet.campaigns_of(args.campaign)
+    if campaigns is not None:
+        return fleet.run(args, campaigns)
+    campaign = load(args, args.campaign[0] if args.campaign else EXAMPLE)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
-    report = folder / "report.html"
+    report = folder / REPORT
     ready(report, args.json)
 
-    import tp_jax as tp
     from tp_jax._config import enable_compilation_cache
     from tp_jax.cli.progress import shown
 
     enable_compilation_cache()
     kept = folder / FITS
     with shown(quiet=args.quiet, form=args.progress) as progress, _kept(kept, resume=args.resume):
-        diagnosis = tp.diagnose(
-            campaign, seed=args.seed, tolerance=args.tolerance, progress=progress,
-            checkpoint=kept, resume=args.resume,
+        result = diagnosed(
+            campaign, folder, seed=args.seed, tolerance=args.tolerance, figures=args.figures,
+            resume=args.resume, progress=progress,
         )  # fmt: skip
-        result = plain(diagnosis.to_dict())
-        write_json(folder / "diagnosis.json", result)
-
-        from tp_jax.report.html import write_report
-
-        progress("writing the report", None)
-        with replaced(report) as part:
-            write_report(result, part, figures=args.figures, day=date.today())
-    forget(kept)
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:
@@ -127,3 +119,4 @@ def run(args: argparse.Namespace) -> None:
 
         show(result)
         print(f"\nReport: {report}")
+    return 0

@@ -1,6 +1,7 @@
 """tp-jax simulate: runs the forward model of a preset from rest."""
 
 import argparse
+from typing import Any
 
 from tp_jax.cli.arguments import (
     add_common,
@@ -73,7 +74,7 @@ def run(args: argparse.Namespace) -> None:
 
     enable_compilation_cache()
     times = np.linspace(0.0, args.duration, samples)
-    values = tp.presets.values(args.preset) | numbers
+    values: dict[str, Any] = tp.presets.values(args.preset) | numbers
     if args.phi1 is not None:
         values["A"] = 0.0
     if args.single:

@@ -63,7 +63,7 @@ def free_run_search(
     ones = np.ones((len(starts), len(unknowns)))
 
     def count(lanes: Simplex) -> None:
-        counted.append((lanes.iterations.mean(), len(lanes.iterations)))
+        counted.append((float(lanes.iterations.mean()), len(lanes.iterations)))
         done = sum(mean * n for mean, n in counted[-len(shares) :])
         done /= len(starts) * max_iterations
         progress(f"Nelder-Mead on free runs, {len(starts)} starts", min(float(done), 1.0))

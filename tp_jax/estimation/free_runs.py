@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.windows import Prepared
+from tp_jax.model.arrays import AnyArray
 from tp_jax.model.drive import PiecewiseCubicDrive
 from tp_jax.recordings import Recording
 from tp_jax.recordings.gaps import stretches
@@ -49,14 +50,14 @@ class FreeRuns(eqx.Module):
         return np.asarray(_of_tables(self, np.stack([v.table[:slots] for v in many])))
 
     def of_tables(
-        self, tables: Float[Array, "m P R"], active: Int[Array, ""] | int | None = None
+        self, tables: Float[AnyArray, "m P R"], active: Int[Array, ""] | int | None = None
     ) -> Float[Array, " m"]:
         """The same of tables of numbers, of which the first `active` count (all if None)."""
         total = sum(self._of_group(tables, group, active) for group in self.groups)
         total = total / sum(len(group.which) for group in self.groups)
         return jnp.where(jnp.isfinite(total), total, jnp.inf)
 
-    def _of_group(self, tables: Array, group: "Group", active: Array | int | None) -> Array:
+    def _of_group(self, tables: AnyArray, group: "Group", active: Array | int | None) -> Array:
         """Sum of (17) over recordings with the same times."""
         size, index = len(group.which), self.layout.index
         p = tables[:, :, np.array(group.which)].transpose(1, 0, 2).reshape(tables.shape[1], -1)

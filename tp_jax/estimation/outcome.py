@@ -62,7 +62,9 @@ class Outcome:
         out: dict[str, Any] = {}
         for name, value in dataclasses.asdict(self).items():
             if isinstance(value, np.ndarray):
-                out[name] = np.where(np.isfinite(value), value, None).tolist()
+                entries = value.astype(object)
+                entries[~np.isfinite(value)] = None
+                out[name] = entries.tolist()
             else:
                 finite = not isinstance(value, float) or math.isfinite(value)
                 out[name] = value if finite else None

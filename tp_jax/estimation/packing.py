@@ -54,7 +54,7 @@ def packed(
     pieces = None
     if any(p.pieces is not None for p in prepared):
         pieces = packed_pieces([p.pieces for p in prepared], windows, which, places, n)
-    block = Block(ts, count, start, data, weight, begins, prior, prior_weight, pieces)  # type: ignore[arg-type]
+    block = Block(ts, count, start, data, weight, begins, prior, prior_weight, pieces)
     return Packed(which, places, block)
 
 

@@ -20,6 +20,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax._stored import Stored
 from tp_jax.estimation.layout import Layout
+from tp_jax.model.arrays import AnyArray
 from tp_jax.simulation.columns import columns, some_columns
 from tp_jax.simulation.lanes import Integrated, Lanes, Tolerances, integrate
 
@@ -37,15 +38,15 @@ class Block(NamedTuple):
     is no window; pieces: (n - 1, 4, L) or None.
     """
 
-    ts: Float[Array, "n L"]
-    count: Int[Array, " L"]
-    start: Bool[Array, "n L"]
-    data: Float[Array, "n 2 L"]
-    weight: Float[Array, "n 2 L"]
-    begins: Int[Array, "W L"]
-    prior: Float[Array, "W 4 L"]
-    prior_weight: Float[Array, "W 4 L"]
-    pieces: Float[Array, "n-1 4 L"] | None
+    ts: Float[AnyArray, "n L"]
+    count: Int[AnyArray, " L"]
+    start: Bool[AnyArray, "n L"]
+    data: Float[AnyArray, "n 2 L"]
+    weight: Float[AnyArray, "n 2 L"]
+    begins: Int[AnyArray, "W L"]
+    prior: Float[AnyArray, "W 4 L"]
+    prior_weight: Float[AnyArray, "W 4 L"]
+    pieces: Float[AnyArray, "n-1 4 L"] | None
 
 
 class Linearised(NamedTuple):
@@ -56,14 +57,14 @@ class Linearised(NamedTuple):
     effects' own states, by which nothing is differentiated.
     """
 
-    r: Float[Array, "L n 2"]
-    jac: Float[Array, "L n 2 m"]
-    prior_r: Float[Array, "L W 4"]
-    prior_jac: Float[Array, "L W 4 m"]
-    states: Float[Array, "L n 4"]
-    complete: Bool[Array, " L"]
-    taken: Int[Array, "L n"]
-    own: Float[Array, "L n k"] | None = None
+    r: Float[AnyArray, "L n 2"]
+    jac: Float[AnyArray, "L n 2 m"]
+    prior_r: Float[AnyArray, "L W 4"]
+    prior_jac: Float[AnyArray, "L W 4 m"]
+    states: Float[AnyArray, "L n 4"]
+    complete: Bool[AnyArray, " L"]
+    taken: Int[AnyArray, "L n"]
+    own: Float[AnyArray, "L n k"] | None = None
 
 
 for _kind in (Block, Linearised, Integrated):
@@ -72,12 +73,12 @@ for _kind in (Block, Linearised, Integrated):
 
 def linearise(
     layout: Layout,
-    tolerances: Tolerances | Float[Array, " 2"],
+    tolerances: Tolerances | Float[AnyArray, " 2"],
     ids: frozenset[str],
-    p: Float[Array, "P L"],
-    x0: Float[Array, "n c L"],
+    p: Float[AnyArray, "P L"],
+    x0: Float[AnyArray, "n c L"],
     block: Block,
-    directions: Int[Array, " d"],
+    directions: Int[AnyArray, " d"],
 ) -> Linearised:
     """Integrates a block of windows and returns its residuals and their derivatives.
 
@@ -97,10 +98,10 @@ def linearise(
     return _observe(layout, p, block, directions, run)._replace(own=own)
 
 
-def _with_room(layout: Layout, p: Float[Array, "P L"]) -> Float[Array, "R L"]:
+def _with_room(layout: Layout, p: Float[AnyArray, "P L"]) -> Float[AnyArray, "R L"]:
     """Numbers by slot with rows to spare (`Layout.room`)."""
-    pad = np.pad if isinstance(p, np.ndarray) else jnp.pad
-    return pad(p, ((0, layout.room - len(p)), (0, 0)))
+    more = ((0, layout.room - len(p)), (0, 0))
+    return np.pad(p, more) if isinstance(p, np.ndarray) else jnp.pad(p, more)
 
 
 def _described(layout: Layout, ids: frozenset[str] | None = None) -> str | None:
@@ -272,10 +273,10 @@ def _observe(layout, p, block, directions, run) -> Linearised:
 def remember(
     layout: Layout,
     ids: frozenset[str],
-    p: Float[Array, "P R"],
-    t: Float[Array, "R n"],
-    y: Float[Array, "R 4 n"],
-    pieces: Float[Array, "R n 4"] | None,
+    p: Float[AnyArray, "P R"],
+    t: Float[AnyArray, "R n"],
+    y: Float[AnyArray, "R 4 n"],
+    pieces: Float[AnyArray, "R n 4"] | None,
 ) -> Float[Array, "R k n"]:
     """The effects' own states along motions that are known, from rest at their beginning.
 

@@ -31,7 +31,7 @@ class Programs:
             if layout.n_states(f) > layout.n_states() or f & layout.outside
         ]  # fmt: skip
         self.plain = self.moving.difference(*self.apart)
-        self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes({e.id})}
+        self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes(frozenset({e.id}))}
 
     def active(self, p: np.ndarray) -> frozenset[str]:
         """Effects of the motion with an amplitude in p (P, ...)."""

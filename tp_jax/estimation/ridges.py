@@ -46,7 +46,7 @@ def _join(found: dict[str, dict], fit: Fit, setting: Setting, name: str, loss: L
     ends = [float(spec.to_coordinate(max(x, SMALLEST * own))) for x in (low, high)]
     others = tuple(u for u in fit.unknowns if u != which)
     anchors = [a for a in fit.anchors if a.unknown != which]
-    held = [own, *(float(spec.from_coordinate(c)) for c in np.linspace(*ends, POINTS))]
+    held = [own, *(float(spec.from_coordinate(c)) for c in np.linspace(ends[0], ends[1], POINTS))]
     fits = [
         fit_projected(
             fit.problem, fit.values.put((which,), np.array([x])), others, fit.states,

@@ -115,7 +115,7 @@ def choose(
         progress("screening the catalogue", None)
         # Beside a cause, effects with states take programs of their own: they wait until something
         # is left that others see, as they would (what has a memory looks much like what has none).
-        before, seen, structure = _looked_at(setting, current, sharp, seed)
+        before, seen, structure = looked_at(setting, current, sharp, seed)
         last, small = n == len(REFITTED), False
         if current.ids and structure.p < POLICY.structure.seen and not last:
             seen = screen(before, setting, skip=current.ids)
@@ -234,7 +234,7 @@ def choose(
     return Choice(sharp_baseline.fit, tuple(rounds), sharp, tuple(tested))
 
 
-def _looked_at(
+def looked_at(
     setting: Setting, current: Refit, sharp: Refit, seed: int
 ) -> tuple[Fit, Screen, Structure]:
     """A fit that is looked at for what it leaves, its screen, and whether anything is there.
@@ -242,13 +242,12 @@ def _looked_at(
     Where the friction's smoothing may be what is left, there is something only if both the fit with
     and the one without it say so. Mostly the sharp one is the one that does not, so it is first.
     """
-    rest = dict(skip=current.ids, states=not current.ids)
     doubtful = _may_be_smoothing(current.fit, sharp.fit)
     first = sharp.fit if doubtful else current.fit
-    seen = screen(first, setting, **rest)
+    seen = screen(first, setting, current.ids, states=not current.ids)
     structure = structure_test(seen, seed)
     if doubtful and structure.p < POLICY.structure.seen:
-        smooth = screen(current.fit, setting, **rest)
+        smooth = screen(current.fit, setting, current.ids, states=not current.ids)
         other = structure_test(smooth, seed)
         if other.p >= POLICY.structure.seen:
             return current.fit, smooth, other

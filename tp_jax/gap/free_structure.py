@@ -30,7 +30,7 @@ from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import spread
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.gap import calibration
-from tp_jax.gap.free_torques import errors_of_readings
+from tp_jax.gap.free_torques import FreeColumns, errors_of_readings
 from tp_jax.gap.policy import POLICY, StructurePolicy
 
 SIZES = (0.0, 10.0)  # tau
@@ -58,20 +58,73 @@ def free_structure(
         fit: at its optimum.
         policy: how well coloured noise is known.
     """
-    lin, n_windows = fit.linearisation, fit.problem.windows.n
+    lin = fit.linearisation
     readings = errors_of_readings(setting, fit)
     coarse = _coarse(setting)
     asked = np.array([not (_channels(n) & coarse) for n in readings.source], dtype=bool)
     if not asked.any():
         return FreeStructure(1.0, "", 1.0)
-    jac = readings.jac[:, :, asked]
-    source, weight = readings.source[asked], readings.weight[asked]
+    free = FreeColumns(readings.jac[:, :, asked], readings.source[asked], readings.weight[asked])
+    source = free.source
+    scores = free_scores(setting, fit, free)
+    noise = _mean_squares(fit, lin.r + np.einsum("wmx,wx->wm", lin.states_jac, scores.state_step))
+    best = FreeStructure(1.0, "", 1.0)
+    tests = 0
+    known = 1.0 + (policy.colour if fit.problem.coloured else 0.0)
+    for name in dict.fromkeys(source.tolist()):
+        mine = np.flatnonzero(source == name)
+        value, z = scores.of(mine)
+        phi = noise[sorted(_channels(name))].mean()
+        for tau in SIZES:
+            weights = value / (1.0 + tau * value)
+            mean, square = weights.sum(), (weights**2).sum()
+            tests += 1
+            if not (mean > 0.0 and phi > 0.0):
+                continue
+            ratio = float((z**2 / (1.0 + tau * value)).sum() / (mean * phi))
+            p = float(tails.fisher(ratio / known, mean**2 / square, max(fit.dof, 1)))
+            if p < best.p or not best.source:
+                best = FreeStructure(p, name, ratio)
+    return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))
+
+
+@dataclasses.dataclass(frozen=True)
+class FreeScores:
+    """Scores of what is free in every window, with nothing but noise in it.
+
+    g: (w, q) gradients by the coefficients, what windows and parameters absorb projected out;
+    covariance: (w, q, q) theirs; unit: (q,) of each coefficient, in which what the mean window
+    tells of it has variance one, times its weight among those of its source; state_step: (w, 4)
+    of the windows' states.
+    """
+
+    g: np.ndarray
+    covariance: np.ndarray
+    unit: np.ndarray
+    state_step: np.ndarray
+
+    def of(self, mine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Some coefficients (k,) in axes of their own: variances (w, k) and scores (w, k) there."""
+        scaled = self.unit[mine]
+        part = self.covariance[:, mine][:, :, mine] * np.outer(scaled, scaled)
+        value, vector = np.linalg.eigh(part)
+        z = np.einsum("wji,wj->wi", vector, self.g[:, mine] * scaled)
+        return np.maximum(value, 0.0), z
+
+
+def free_scores(setting: Setting, fit: Fit, free: FreeColumns) -> FreeScores:
+    """Scores of the coefficients of free columns at zero.
+
+    Args:
+        setting: the campaign. fit: at its optimum. free: what is free.
+    """
+    lin = fit.linearisation
     moved = np.flatnonzero(~np.asarray(fit.at_bound, dtype=bool))
     base = [fit.unknowns[i] for i in moved]
     base_jac = spread(lin, base)
     shapes = calibration.columns(setting, fit)
-    left = eliminate(lin.r, lin.states_jac, np.concatenate([jac, base_jac, shapes], axis=2))
-    q = source.size
+    left = eliminate(lin.r, lin.states_jac, np.concatenate([free.jac, base_jac, shapes], axis=2))
+    q = free.source.size
     H, g = left.H[:, :q, :q], left.g[:, :q]
     shared = left.H[:, q:, q:].sum(axis=0)
     prior = np.diag(fit.information() - fit.eliminated.H.sum(axis=0))[moved]
@@ -85,29 +138,9 @@ def free_structure(
     pull = left.g[:, q:].sum(axis=0) / size
     pull[: len(base)] = 0.0
     g = g - across @ (inverse @ pull)
-    unit = weight / np.sqrt(np.maximum(np.einsum("wii->i", H) / n_windows, 1e-300))
-    noise = _mean_squares(fit, lin.r + np.einsum("wmx,wx->wm", lin.states_jac, left.state_step))
-    best = FreeStructure(1.0, "", 1.0)
-    tests = 0
-    known = 1.0 + (policy.colour if fit.problem.coloured else 0.0)
-    for name in dict.fromkeys(source.tolist()):
-        mine = np.flatnonzero(source == name)
-        scaled = unit[mine]
-        value, vector = np.linalg.eigh(covariance[:, mine][:, :, mine] * np.outer(scaled, scaled))
-        value = np.maximum(value, 0.0)
-        z = np.einsum("wji,wj->wi", vector, g[:, mine] * scaled)
-        phi = noise[sorted(_channels(name))].mean()
-        for tau in SIZES:
-            weights = value / (1.0 + tau * value)
-            mean, square = weights.sum(), (weights**2).sum()
-            tests += 1
-            if not (mean > 0.0 and phi > 0.0):
-                continue
-            ratio = float((z**2 / (1.0 + tau * value)).sum() / (mean * phi))
-            p = float(tails.fisher(ratio / known, mean**2 / square, max(fit.dof, 1)))
-            if p < best.p or not best.source:
-                best = FreeStructure(p, name, ratio)
-    return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))
+    mean = np.einsum("wii->i", H) / fit.problem.windows.n
+    unit = free.weight / np.sqrt(np.maximum(mean, 1e-300))
+    return FreeScores(g, covariance, unit, left.state_step)
 
 
 def _channels(source: str) -> set[int]:

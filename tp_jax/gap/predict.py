@@ -162,7 +162,8 @@ def _of_recording(diagnosis, record, file: Path, duration, rate) -> Trajectory:
     sine = data.forced and not data.measured_drive
     drive = drive_for(record, omega=data.omega if sine else None, t=data.t, reading=data.drive)
     drift = (record.get("drift") or {}).get(data.label) or data.drift
-    m = pendulum(record, drive, data.label, tuple(drift))
+    middle, rate = drift
+    m = pendulum(record, drive, data.label, (middle, rate))
     return readings_of(m, t, _start(diagnosis, record, data))
 
 

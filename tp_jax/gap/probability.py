@@ -183,7 +183,8 @@ def _of_round(r: Round, setting: Setting, misfit: float, policy: FoldPolicy) -> 
     best_gain = max((d - base for d in refitted.values()), key=np.sum, default=samples)
     share = np.maximum(best_gain, 0.0) / max(float(np.maximum(best_gain, 0.0).sum()), 1e-300)
     lowest = min([f.cost for f in r.refits.values()], default=0.0)
-    rows, names, fits, unknowns = [base], [""], [r.searched], [0]
+    rows, names, unknowns = [base], [""], [0]
+    fits: list[Fit | None] = [r.searched]
     for s in best:
         if s.id in refitted:
             rows.append(refitted[s.id])

@@ -19,7 +19,7 @@ readings' steps hide their noise, scores are drawn with the rounding (`rounding`
 """
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -58,15 +58,25 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
     observed = _statistics(blocks[:, :, None], forms)[:, 0]
+    largest = np.concatenate(
+        [_statistics(drawn, forms).max(axis=0) for drawn in scores_of_noise(seen, seed)]
+    )
+    p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
+    return Structure(float(p.min()), p, largest.size)
+
+
+def scores_of_noise(seen: Screen, seed: int) -> Iterator[np.ndarray]:
+    """Scores (B, E, CHUNK) by block that noise alone would give, after the fit: `DRAWS` in all.
+
+    Args:
+        seen: what a screen found. With coarse readings there are `OF_ROUNDING` draws.
+        seed: of the draws.
+    """
     root = _roots(seen.by_block)
     rng = np.random.default_rng(seed)
     draws = DRAWS if seen.rounding is None else OF_ROUNDING
-    largest = np.concatenate([
-        _statistics(_drawn(root, seen, rng), forms).max(axis=0)
-        for _ in range(draws // CHUNK)
-    ])  # fmt: skip
-    p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
-    return Structure(float(p.min()), p, largest.size)
+    for _ in range(draws // CHUNK):
+        yield _drawn(root, seen, rng)
 
 
 def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarray:
@@ -122,9 +132,10 @@ class _Forms:
         self.alike = []
         for q in np.unique(sizes):
             which = np.flatnonzero(sizes == q)
-            inverse = np.stack([forms[i].inverse for i in which])
-            whiten = np.stack([forms[i].whiten for i in which], axis=1)
-            self.alike.append((which, np.stack([columns[i] for i in which]), inverse, whiten))
+            mine = which.tolist()
+            inverse = np.stack([forms[i].inverse for i in mine])
+            whiten = np.stack([forms[i].whiten for i in mine], axis=1)
+            self.alike.append((which, np.stack([columns[i] for i in mine]), inverse, whiten))
         self.rank = np.array([f.rank for f in forms])[:, None]
         self.count = np.array([f.count for f in forms])[:, None]
 

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from tp_jax.identifiability.design import PLACES, Design
+from tp_jax.model.arrays import AnyArray
 from tp_jax.simulation.sensitivities import sensitivities
 from tp_jax.simulation.solve import Trajectory
 
@@ -25,7 +26,7 @@ class LogDerivatives(NamedTuple):
     phi1: Float[np.ndarray, "n P"]
     phi2: Float[np.ndarray, "n P"]
     reliable: Bool[np.ndarray, " P"]
-    growth: float
+    growth: float | AnyArray
 
     def weighted(self, sigma: Float[np.ndarray, " 2"]) -> Float[np.ndarray, "m P"]:
         """Rows of both angles in units of their noise; a channel not measured has no rows."""

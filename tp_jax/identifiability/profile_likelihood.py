@@ -257,7 +257,11 @@ class _Search:
             free = np.ones(len(self.unknowns), bool)
             free[end.index] = False
             starts.append(
-                Start(near.values.put([self.unknowns[end.index]], [value]), near.states, free)
+                Start(
+                    near.values.put([self.unknowns[end.index]], np.array([value])),
+                    near.states,
+                    free,
+                )
             )
         found = self._fit(starts)
         doubted = [k for k, end in enumerate(ends) if self._doubted(end, found[k])]

@@ -1,8 +1,11 @@
-"""Conversion of parameters to float64 arrays."""
+"""Conversion of parameters to float64 arrays, and the type of what NumPy and JAX take."""
 
 import jax.numpy as jnp
+import numpy as np
 from jax.typing import ArrayLike
 from jaxtyping import Array, Float
+
+AnyArray = Array | np.ndarray
 
 
 def as_float(x: ArrayLike) -> Float[Array, "..."]:

@@ -5,6 +5,7 @@ the size of a laboratory stand, on which benchmarks run.
 """
 
 import math
+from typing import Any
 
 from tp_jax.model.bearing import Bearing
 from tp_jax.model.contact import Contact
@@ -52,7 +53,8 @@ def values(name: str) -> dict[str, float]:
 
 def get(name: str) -> DoubleTorsionPendulum:
     """The pendulum of a preset; see `values`."""
-    return double_pendulum(**values(name))
+    numbers: dict[str, Any] = values(name)
+    return double_pendulum(**numbers)
 
 
 def double_pendulum(

@@ -98,7 +98,7 @@ def _check_repeated(columns: Columns) -> None:
     i = int(bad[0]) + 1
     same = repeated(columns.values)
     quantum = rounding.rounded(t, same)
-    again = [columns.numbers[j + 1] for j in bad]
+    again = [columns.numbers[j + 1] for j in bad.tolist()]
     if quantum is not None:
         raise CampaignError(
             columns.file,
@@ -215,11 +215,12 @@ def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
     values = columns.values[name][begin:end]
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
+        rows = [columns.numbers[begin + i] for i in bad.tolist()]
         raise CampaignError(
             columns.file,
-            f"{name} is {values[bad[0]]}{in_rows([columns.numbers[begin + i] for i in bad])}",
+            f"{name} is {values[bad[0]]}{in_rows(rows)}",
             "remove the row, a gap in time is understood, or write the number measured",
-            columns.numbers[begin + int(bad[0])],
+            rows[0],
         )
 
 

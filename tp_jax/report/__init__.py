@@ -7,6 +7,7 @@
     captions -> pictures   the figures of the page, and what they show in words
     tables, run_tables     every table of the page
     -> html                everything together in one file, `write_report`
+    fleet                  the table and the page of many rigs
     figure_files           the figures beside it as PNG and SVG
     trajectory             the figure of `tp-jax simulate --plot`
     arviz_export           draws of fitted parameters for ArviZ, `to_arviz`

@@ -67,10 +67,10 @@ def to_arviz(
     if not known:
         raise InputError("No parameter of this result has an interval, so nothing can be drawn.")
     z = _normal(list(known), result.get("correlation"), chains * draws, seed)
-    posterior = {
-        name: _drawn(p["value"], *p["ci95"], z[:, i]).reshape(chains, draws)
-        for i, (name, p) in enumerate(known.items())
-    }
+    posterior = {}
+    for i, (name, p) in enumerate(known.items()):
+        low, high = p["ci95"]
+        posterior[name] = _drawn(p["value"], low, high, z[:, i]).reshape(chains, draws)
     constant = {
         name: np.array(float(p["value"]))
         for name, p in parameters.items()

@@ -119,8 +119,8 @@ def _interval(ends: Any) -> bool:
 
 def _parameter(name: str, a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, Any]:
     tables = [reading.table(each, "parameters", name) for each in (a, b)]
-    ends = [table.get("ci95") for table in tables]
-    known = all(_interval(each) for each in ends)
+    ends: list[Any] = [each for table in tables if _interval(each := table.get("ci95"))]
+    known = len(ends) == 2
     apart = known and (ends[0][1] < ends[1][0] or ends[1][1] < ends[0][0])
     return {
         "values": [reading.value(table, "value") for table in tables],

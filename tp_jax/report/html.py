@@ -5,13 +5,16 @@ import re
 from collections.abc import Mapping
 from datetime import date
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tp_jax._files import replaced
 from tp_jax._version import __version__
 from tp_jax.report import pictures, reading, run_tables, tables, verdict, words
 from tp_jax.report.figure_files import FOLDER, write_figures
 from tp_jax.report.figures.curves import drawable
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 TEMPLATE = "report.html.j2"
 
@@ -62,22 +65,26 @@ def render(diagnosis: Mapping[str, Any], *, day: date | None = None) -> str:
     return _page(diagnosis, pictures.pictures(diagnosis), day)
 
 
-def _page(diagnosis: Mapping[str, Any], drawn: pictures.Pictures, day: date | None) -> str:
+def environment() -> "Environment":
+    """What fills the templates of this folder."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
+    made = Environment(
         loader=FileSystemLoader(Path(__file__).parent, encoding="utf-8"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["initial"] = words.capital
-    environment.filters["together"] = _together
-    environment.filters["drawn"] = Markup  # the figures' own markup, whose texts are escaped
-    shown = context(diagnosis, drawn, day)
-    return environment.get_template(TEMPLATE).render(shown)
+    made.filters["initial"] = words.capital
+    made.filters["together"] = _together
+    made.filters["drawn"] = Markup  # markup of our own, whose texts are escaped
+    return made
+
+
+def _page(diagnosis: Mapping[str, Any], drawn: pictures.Pictures, day: date | None) -> str:
+    return environment().get_template(TEMPLATE).render(context(diagnosis, drawn, day))
 
 
 def context(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -63,7 +64,9 @@ def place(
         between, beside: axes one above the other, and one beside the other.
     """
     width, height = figure.get_size_inches()
-    rows, columns = figure.axes[0].get_subplotspec().get_gridspec().get_geometry()
+    place = figure.axes[0].get_subplotspec()
+    assert place is not None  # `figure.subplots` made it
+    rows, columns = place.get_gridspec().get_geometry()
     edge = SPACING.edge
     wide = width - left - right - 2.0 * edge - (columns - 1) * beside
     high = height - above - below - 2.0 * edge - (rows - 1) * between
@@ -93,7 +96,7 @@ def shortened(text: str, inches: float, *, bold: bool = False) -> str:
     return f"{text}…"
 
 
-def numbers(axes: Sequence["Axes"]) -> float:
+def numbers(axes: "Sequence[Axes] | np.ndarray") -> float:
     """Width of the numbers left of these axes, with what keeps them apart [inches]."""
     found = []
     for one in axes:
@@ -110,7 +113,9 @@ def label_left(axes: "Axes", text: str, away: float) -> None:
 
 def label_below(axes: "Axes", text: str, *, away: float = SPACING.ticks, at: float = 0.5) -> None:
     """Writes below the axes and their numbers; `at` 0 is their left end, 1 their right one."""
-    axes.xaxis.label.set_horizontalalignment({0.0: "left", 1.0: "right"}.get(at, "center"))
+    axes.xaxis.label.set_horizontalalignment(
+        "left" if at == 0.0 else "right" if at == 1.0 else "center"
+    )
     _label(axes, axes.xaxis, text, (at, 0.0), (0.0, -away))
 
 
@@ -118,6 +123,8 @@ def _label(axes: "Axes", axis, text: str, at: tuple[float, float], away: tuple[f
     """A place of its own keeps matplotlib from measuring all numbers of an axis for it."""
     from matplotlib.transforms import ScaledTranslation
 
-    moved = ScaledTranslation(*away, axes.get_figure().dpi_scale_trans)
+    figure = axes.get_figure()
+    assert figure is not None
+    moved = ScaledTranslation(*away, figure.dpi_scale_trans)
     axis.set_label_text(text)
     axis.set_label_coords(*at, axes.transAxes + moved)

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 
 from tp_jax.identifiability.design import Design
 from tp_jax.identifiability.log_derivatives import log_derivatives
+from tp_jax.model.arrays import AnyArray
 
 
 class Local(NamedTuple):
@@ -26,7 +27,7 @@ class Local(NamedTuple):
     effect: dict[str, Float[np.ndarray, "n P"]]
     rms: dict[str, Float[np.ndarray, " P"]]
     reliable: Bool[np.ndarray, " P"]
-    growth: float
+    growth: float | AnyArray
 
 
 def local(

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from tp_jax.model.arrays import AnyArray
 from tp_jax.simulation.parts import Parts
 
 PIECE = 1 << 25
@@ -23,12 +24,12 @@ class Batch(NamedTuple):
     states: Float[np.ndarray, "c N"]
 
 
-def is_many(parts: Parts, y0: Array | None) -> bool:
+def is_many(parts: Parts, y0: AnyArray | None) -> bool:
     """Whether there is an axis of members in a pendulum's numbers or its starts."""
-    return any(np.ndim(v) for v in parts.values) or np.ndim(y0) == 2
+    return any(np.ndim(v) for v in parts.values) or (y0 is not None and np.ndim(y0) == 2)
 
 
-def gathered(parts: Parts, y0: Array | None) -> Batch:
+def gathered(parts: Parts, y0: AnyArray | None) -> Batch:
     """Numbers and starts of all members, one if nothing has their axis.
 
     Raises:

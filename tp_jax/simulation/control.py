@@ -22,6 +22,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from tp_jax.model.arrays import AnyArray
 from tp_jax.model.friction import smooth_sign
 
 
@@ -36,17 +37,17 @@ class Control(NamedTuple):
     velocity; 0: none is jumped over. growth, shrink: bounds of a step's change.
     """
 
-    angle: Array | float = 2e-6
-    velocity: Array | float = 0.3
-    friction: Array | float = 0.2
-    approach: Array | float = 0.5
-    layer: Array | float = 0.5
-    leap: Array | float = 0.75
-    near: Array | float = 5.0
-    creep: Array | float = 0.5
-    crossing: Array | float = 0.65
-    growth: Array | float = 3.0
-    shrink: Array | float = 0.1
+    angle: AnyArray | float = 2e-6
+    velocity: AnyArray | float = 0.3
+    friction: AnyArray | float = 0.2
+    approach: AnyArray | float = 0.5
+    layer: AnyArray | float = 0.5
+    leap: AnyArray | float = 0.75
+    near: AnyArray | float = 5.0
+    creep: AnyArray | float = 0.5
+    crossing: AnyArray | float = 0.65
+    growth: AnyArray | float = 3.0
+    shrink: AnyArray | float = 0.1
 
 
 class Layers(NamedTuple):

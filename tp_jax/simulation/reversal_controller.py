@@ -58,12 +58,13 @@ class ReversalController(diffrax.AbstractStepSizeController):
 
     def wrap(self, direction):
         """Itself, for time that runs forwards (1) or backwards (-1)."""
-        return ReversalController(self.model, self.control.angle, self.control, direction)
+        angle = jnp.asarray(self.control.angle)
+        return ReversalController(self.model, angle, self.control, jnp.asarray(direction))
 
     def init(self, terms, t0, t1, y0, dt0, args, func: Callable, error_order):  # noqa: ARG002
         """End of the first step, and the state of the controller."""
         t, y, dt0 = jax.lax.stop_gradient((jnp.asarray(t0, float), components(y0), dt0))
-        first = 1e-3 * (t1 - t0) if dt0 is None else dt0
+        first = jnp.asarray(1e-3 * (t1 - t0) if dt0 is None else dt0)
         state = ControllerState(
             self._field(t, tuple(y)), natural_frequency(self._field, t, y, ()),
             sign_jumps(self._field, t, y, (), self._eps()),
@@ -79,6 +80,7 @@ class ReversalController(diffrax.AbstractStepSizeController):
             (t0, t1, components(y0), components(y1_candidate), components(y_error),
              controller_state)
         )  # fmt: skip
+        t1 = jnp.asarray(t1)
         h = t1 - t0
         ratio = error_ratio(
             y, end, error, self._eps(), state.natural, self.control, h, self._layers(state)

@@ -131,7 +131,7 @@ def integrate(
         f = start(y, q)
         s: list[Array] = []
         fs: list[Array] = []
-        if nd:
+        if bends is not None:
             s = [jnp.broadcast_to(jnp.eye(nc, nd)[j, :, None], (nd, run.size)) for j in range(nc)]
             change = linear(
                 lambda y, q: tuple(start(y, q)), y, q, shape.by_state, bends.field_by_parameter,

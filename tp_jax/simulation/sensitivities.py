@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
 from tp_jax._compiler import compiler_options
+from tp_jax.model.arrays import AnyArray
 from tp_jax.model.pendulum import AbstractTorsionPendulum
 from tp_jax.simulation.batch import gathered, in_pieces, is_many, lanes
 from tp_jax.simulation.control import Control
@@ -54,17 +55,17 @@ class Sensitivities(NamedTuple):
 
     motion: Trajectory
     names: tuple[str, ...]
-    phi1: Float[Array, "n D"]
-    phi2: Float[Array, "n D"]
-    error: Float[Array, " D"]
-    growth: float | Float[Array, " N"]
-    reliable: Bool[Array, " D"]
+    phi1: Float[AnyArray, "n D"]
+    phi2: Float[AnyArray, "n D"]
+    error: Float[AnyArray, " D"]
+    growth: float | Float[AnyArray, " N"]
+    reliable: Bool[AnyArray, " D"]
 
 
 def sensitivities(
     model: AbstractTorsionPendulum,
-    ts: Float[Array, " n"],
-    y0: Float[Array, "..."] | None = None,
+    ts: Float[AnyArray, " n"],
+    y0: Float[AnyArray, "..."] | None = None,
     *,
     by: Sequence[str] | None = None,
     tolerance: float = 1e-6,

@@ -10,10 +10,12 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 from jax.custom_batching import custom_vmap
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
+from tp_jax.model.arrays import AnyArray
 from tp_jax.model.pendulum import AbstractTorsionPendulum
 from tp_jax.simulation.batch import lanes
 from tp_jax.simulation.control import Control
@@ -35,17 +37,17 @@ class Trajectory(NamedTuple):
     t [s]; phi1, phi2 [rad], the rider's angle relative to the column; omega1, omega2 [rad/s].
     """
 
-    t: Array
-    phi1: Array
-    phi2: Array
-    omega1: Array
-    omega2: Array
+    t: AnyArray
+    phi1: AnyArray
+    phi2: AnyArray
+    omega1: AnyArray
+    omega2: AnyArray
 
 
 def simulate(
     model: AbstractTorsionPendulum,
-    ts: Float[Array, " n"],
-    y0: Float[Array, " m"] | None = None,
+    ts: Float[AnyArray, " n"],
+    y0: Float[AnyArray, " m"] | None = None,
     *,
     tolerance: float = 1e-8,
     solver: diffrax.AbstractSolver | None = None,
@@ -86,7 +88,7 @@ def simulate(
             "Argument `model` must be one pendulum, but its numbers are arrays; use `sweep`."
         )
     every = [*parts.values, *y0, tolerance]
-    if any(isinstance(x, jax.core.Tracer) for x in every):
+    if any(isinstance(x, Tracer) for x in every):
         # One by one, for then it is seen by which of them derivatives are asked for.
         inputs = tuple(jnp.asarray(x, dtype=float) for x in every)
     else:
@@ -122,7 +124,7 @@ def accelerations(model: AbstractTorsionPendulum, motion: Trajectory) -> tuple[A
             f"{model.n_states - 4} of them, which a trajectory does not hold."
         )
     state = (motion.phi1, motion.phi2, motion.omega1, motion.omega2)
-    rates = model.derivative(motion.t, tuple(jnp.asarray(each) for each in state))
+    rates = model.derivative(jnp.asarray(motion.t), tuple(jnp.asarray(each) for each in state))
     return rates[2], rates[3]
 
 
@@ -135,11 +137,11 @@ def _run(template, inputs, ts, tolerance, solver, max_steps) -> Array:
 
 
 def checked(
-    model: AbstractTorsionPendulum, ts: Array, y0: Array | None
-) -> tuple[Float[Array, " n"], Float[Array, " m"]]:
+    model: AbstractTorsionPendulum, ts: AnyArray, y0: AnyArray | None
+) -> tuple[Float[AnyArray, " n"], Float[AnyArray, " m"]]:
     """Times and initial state as arrays, rest if None; ValueError where their shapes are wrong."""
     # What is not traced stays on the host: a small operation on a device costs many steps.
-    here = np if not isinstance(ts, jax.core.Tracer) else jnp
+    here = np if not isinstance(ts, Tracer) else jnp
     ts = here.asarray(ts, dtype=float)
     if ts.ndim != 1 or ts.size < 2:
         raise ValueError(
@@ -148,7 +150,7 @@ def checked(
     # under `jit` they are not known yet
     if here is np and not (ts[1:] > ts[:-1]).all():
         raise ValueError("Argument `ts` must increase from each time to the next.")
-    here = np if not isinstance(y0, jax.core.Tracer) else jnp
+    here = np if not isinstance(y0, Tracer) else jnp
     y0 = np.zeros(model.n_states) if y0 is None else here.asarray(y0, dtype=float)
     if y0.shape != (model.n_states,):
         raise ValueError(f"Argument `y0` must have shape ({model.n_states},), but has {y0.shape}.")

@@ -6,9 +6,10 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from tp_jax._compiler import compiler_options
+from tp_jax.model.arrays import AnyArray
 from tp_jax.model.pendulum import AbstractTorsionPendulum
 from tp_jax.simulation.batch import gathered, in_pieces, lanes
 from tp_jax.simulation.control import Control
@@ -24,19 +25,19 @@ class Sweep(NamedTuple):
     (N,) attempted; complete: (N,) False where a run was given up, and infinite from there on.
     """
 
-    t: Float[Array, " n"]
-    phi1: Float[Array, "N n"]
-    phi2: Float[Array, "N n"]
-    omega1: Float[Array, "N n"] | None
-    omega2: Float[Array, "N n"] | None
-    steps: Int[Array, " N"]
-    complete: Bool[Array, " N"]
+    t: Float[AnyArray, " n"]
+    phi1: Float[AnyArray, "N n"]
+    phi2: Float[AnyArray, "N n"]
+    omega1: Float[AnyArray, "N n"] | None
+    omega2: Float[AnyArray, "N n"] | None
+    steps: Int[AnyArray, " N"]
+    complete: Bool[AnyArray, " N"]
 
 
 def sweep(
     models: AbstractTorsionPendulum,
-    ts: Float[Array, " n"],
-    y0: Float[Array, "..."] | None = None,
+    ts: Float[AnyArray, " n"],
+    y0: Float[AnyArray, "..."] | None = None,
     *,
     tolerance: float = 1e-6,
     velocities: bool = True,

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 from tp_jax.report import layout
 
 if TYPE_CHECKING:
+    import numpy as np
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
 def over_time(
-    figure: "Figure", rows: Sequence["Axes"], labels: Sequence[str], above: float
+    figure: "Figure", rows: "Sequence[Axes] | np.ndarray", labels: Sequence[str], above: float
 ) -> None:
     """Labels the rows, all at one distance, and places them.
 

@@ -1,0 +1,40 @@
+"""Dask's own executor: of the scheduler that is configured, or of workers on this machine."""
+
+import logging
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from typing import Any
+
+from tp_jax.executors.missing import missing
+
+
+@contextmanager
+def opened(workers: int) -> Iterator[Executor]:
+    """The executor of a client.
+
+    Args:
+        workers: processes of one thread, where no `DASK_SCHEDULER_ADDRESS` names a scheduler.
+
+    Raises:
+        InputError: Dask is not installed.
+    """
+    try:
+        import dask.config
+        import distributed
+    except ImportError as fault:
+        raise missing("dask", "distributed") from fault
+    address = dask.config.get("scheduler-address", None)
+    if address is not None:
+        with distributed.Client(address) as client:
+            yield client.get_executor(pure=False)
+        return
+    # no page, no limit at which workers are paused, no word of each that is lost: the seam counts
+    settings: dict[str, Any] = {
+        "memory_limit": 0, "dashboard_address": None, "silence_logs": logging.ERROR
+    }  # fmt: skip
+    cluster = distributed.LocalCluster(
+        n_workers=workers, threads_per_worker=1, processes=True, **settings
+    )
+    with cluster, distributed.Client(cluster) as client:
+        yield client.get_executor(pure=False)

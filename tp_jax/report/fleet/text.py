@@ -1,0 +1,29 @@
+"""A fleet for a terminal: a line for each rig, and what could not be diagnosed."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tp_jax.report.fleet.rows import FAILED, VERDICTS, counts
+from tp_jax.report.formatting import MISSING, percent
+
+NAMES = {"explained": "explained", "unknown": "unknown", "no_gap": "no gap", FAILED: "failed"}
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> str:
+    """How many rigs have which verdict, a table, and a sentence for each that failed."""
+    known = counts(rows)
+    said = ", ".join(f"{known[name]} {NAMES[name]}" for name in VERDICTS if known[name])
+    rigs = "rig" if len(rows) == 1 else "rigs"
+    head = ("rig", "verdict", "cause", "place", "shrink")
+    table = [head, *(_cells(row) for row in rows if row["verdict"] != FAILED)]
+    widths = [max(len(line[i]) for line in table) for i in range(len(head))]
+    lines = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in table]
+    faults = [f"{row['rig']}: {row['error']}" for row in rows if row["verdict"] == FAILED]
+    return "\n".join([f"{len(rows)} {rigs}: {said}", *(lines if len(table) > 1 else []), *faults])
+
+
+def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
+    return (
+        row["rig"], NAMES[row["verdict"]], row["cause"] or MISSING, row["location"] or MISSING,
+        percent(row["shrink"]),
+    )  # fmt: skip
