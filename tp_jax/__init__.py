@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from tp_jax.errors import InputError as InputError
     from tp_jax.estimation.identify import identify as identify
     from tp_jax.estimation.nelder_mead import NelderMead as NelderMead
+    from tp_jax.estimation.projected_gauss_newton import VariableProjection as VariableProjection
     from tp_jax.gap.diagnosis import Diagnosis as Diagnosis
     from tp_jax.gap.diagnosis import diagnose as diagnose
     from tp_jax.gap.predict import predict as predict
@@ -71,6 +72,7 @@ _WITH_JAX = {
     "SensitivityAnalysis": ("tp_jax.sensitivity_analysis.analysis", "SensitivityAnalysis"),
     "SingleTorsionPendulum": ("tp_jax.model.pendulum", "SingleTorsionPendulum"),
     "Sweep": ("tp_jax.simulation.sweep", "Sweep"),
+    "VariableProjection": ("tp_jax.estimation.projected_gauss_newton", "VariableProjection"),
     "Trajectory": ("tp_jax.simulation.solve", "Trajectory"),
     "accelerations": ("tp_jax.simulation.solve", "accelerations"),
     "diagnose": ("tp_jax.gap.diagnosis", "diagnose"),
@@ -101,6 +103,7 @@ __all__ = [
     "SingleTorsionPendulum",
     "Sweep",
     "Trajectory",
+    "VariableProjection",
     "__version__",
     "accelerations",
     "check",

@@ -1,6 +1,7 @@
 """Files that appear or change at once and whole, and what goes into them as JSON."""
 
 import errno
+import json
 import math
 import os
 import stat
@@ -75,6 +76,19 @@ def created(target: str | os.PathLike[str]) -> Iterator[Path]:
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def write_json(target: str | os.PathLike[str], content: Any) -> Any:
+    """Writes or replaces a file of JSON; returns the content in JSON's own types.
+
+    Raises:
+        OSError: the file system refuses; what was there stays as it was.
+    """
+    own = plain(content)
+    text = json.dumps(own, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    with replaced(target) as part:
+        part.write_text(text, encoding="utf-8", newline="\n")
+    return own
 
 
 def plain(value: Any) -> Any:

@@ -70,3 +70,20 @@ def test_damping_holds_the_states_back(system):
     free, held = eliminate(*system), eliminate(*system, damping=1e6)
     assert np.abs(held.state_step).max() < 1e-4 * np.abs(free.state_step).max()
     assert (held.cost >= free.cost).all()
+
+
+def test_a_window_in_a_kink_follows_along_it_alone(system):
+    r, X, J = system
+    kinked = np.array([True, False, True, False, False])
+    free, out = eliminate(r, X, J), eliminate(r, X, J, kinked=kinked)
+    for name in ("g", "H", "state_step", "state_gain"):
+        np.testing.assert_array_equal(getattr(out, name)[~kinked], getattr(free, name)[~kinked])
+    for w in np.flatnonzero(kinked):
+        slope = X[w].T @ r[w]
+        np.testing.assert_allclose(out.state_step[w], 0.0)
+        np.testing.assert_allclose(slope @ out.state_gain[w], 0.0, atol=1e-9)
+        np.testing.assert_allclose(out.g[w], J[w].T @ r[w], rtol=1e-9)  # as with the state held
+        along = np.linalg.svd(slope[None])[2][1:].T  # the three directions without slope
+        there = X[w] @ along
+        left = J[w] - there @ np.linalg.lstsq(there, J[w], rcond=None)[0]
+        np.testing.assert_allclose(out.H[w], left.T @ left, rtol=1e-9, atol=1e-9)

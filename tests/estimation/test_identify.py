@@ -212,4 +212,10 @@ def test_no_number_is_printed_outside_its_interval(found):
 
 def test_methods_have_names():
     assert METHODS[:2] == ("least-squares", "nelder-mead")
-    assert set(METHODS[2:]) == {"levenberg-marquardt", "dogleg", "gauss-newton", "bfgs"}
+    assert set(METHODS[2:]) == {
+        "variable-projection",
+        "levenberg-marquardt",
+        "dogleg",
+        "gauss-newton",
+        "bfgs",
+    }

@@ -61,8 +61,8 @@ def test_residuals_and_slopes_are_the_windows(setting, problem, reference):
     slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope)
     f = window_residuals(
-        problem, reference.values, reference.states, unknowns, specs, setting.anchors(),
-        blocks=len(problem.blocks()) + 1,
+        problem, reference.values, reference.states, elim.state_gain, unknowns, specs,
+        setting.anchors(), blocks=len(problem.blocks()) + 1,
     )  # fmt: skip
     at = np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
     r, J = map(np.asarray, f.evaluate(jnp.asarray(at)))

@@ -1,6 +1,7 @@
 """Fits with the windows' states projected out end in the same optimum, and sooner."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.ladder import Ladder, problem_of
 from tp_jax.estimation.linearisation import spread
 from tp_jax.estimation.weak_form import WeakForm
-from tp_jax.estimation.window_states import costs, in_turn, of_windows, settle
+from tp_jax.estimation.window_states import costs, in_turn, of_windows, settle, steps_along_kinks
 
 SLOTS = ("k", "A", "M1", "Ts1")
 
@@ -151,3 +152,31 @@ def test_outliers_move_little_under_a_robust_loss(setting, ladder, fit):
     assert off["linear"].max() > 4.0
     assert off["huber"].max() < 0.5 * off["linear"].max()
     assert off["cauchy"].max() < 2.0
+
+
+def test_steps_along_kinks_go_down_on_both_sides():
+    rng = np.random.default_rng(0)
+    X, r = rng.normal(size=(3, 20, 4)), rng.normal(size=(3, 20))
+    lin = SimpleNamespace(states_jac=X, r=r)
+    slope = np.einsum("wmx,wm->wx", X, r)
+    step, promise = steps_along_kinks(lin, slope)  # no other side: Gauss-Newton's own
+    for w in range(3):
+        np.testing.assert_allclose(step[w], -np.linalg.lstsq(X[w], r[w], rcond=None)[0], rtol=1e-6)
+    assert (promise > 0.0).all()
+    beyond = slope.copy()
+    beyond[:, 0] = -5.0 * slope[:, 0]  # the kink is at a value of the first number
+    step, promise = steps_along_kinks(lin, beyond)
+    np.testing.assert_allclose(np.einsum("wx,wx->w", slope, step), -promise, rtol=1e-6)
+    np.testing.assert_allclose(np.einsum("wx,wx->w", beyond, step), -promise, rtol=1e-6)
+    np.testing.assert_allclose(step[:, 0], 0.0, atol=1e-9)  # along it
+    _, nothing = steps_along_kinks(lin, -slope)  # slopes against each other: nothing to gain
+    np.testing.assert_allclose(nothing, 0.0, atol=1e-9)
+
+
+def test_fits_along_kinks_end_no_higher(setting, fit):
+    how = {"anchors": setting.anchors(), "relative": 1e-6}
+    begun = (fit.problem, fit.values, fit.unknowns, fit.states)
+    plain = variable_projection.fit(*begun, **how)
+    along = variable_projection.fit(*begun, **how, kinks=True)
+    assert along.converged, along.message
+    assert along.cost <= plain.cost + 0.1

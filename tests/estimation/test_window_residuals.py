@@ -16,10 +16,11 @@ def test_whitening_lane_by_lane():
     colours = (Colour(0.5, 0.8), Colour(-0.2, 0.0))
     prepared = tuple(dataclasses.replace(p, colour=colours) for p in problem.prepared)
     problem = dataclasses.replace(problem, prepared=prepared)
-    states, rng = np.zeros((problem.windows.n, 4)), np.random.default_rng(0)
+    states, gain = np.zeros((problem.windows.n, 4)), np.zeros((problem.windows.n, 4, 2))
+    rng = np.random.default_rng(0)
     for packed in problem.blocks():
         which, places, block = packed
-        lanes = jax.tree.map(jnp.asarray, _unfolded(problem, states, *packed))
+        lanes = jax.tree.map(jnp.asarray, _unfolded(problem, states, gain, *packed))
         x = rng.normal(size=(*block.ts.T.shape, 2, 3))
         white = np.asarray(_whitened(jnp.asarray(x), lanes))
         for i, (_, lane, at, _) in zip(which, places, strict=True):

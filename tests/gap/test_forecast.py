@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
-from tp_jax.gap.forecast import forecasts, natural_frequency
+from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.linearisation import Linearisation
+from tp_jax.gap.forecast import Alternative, _left, forecasts, natural_frequency
 from tp_jax.gap.next_run import NOTHING, Run
 from tp_jax.gap.refit import Refit
 from tp_jax.recordings import hold_out, load_campaign
@@ -21,6 +23,59 @@ def test_natural_frequency():
     numbers = {"k": 0.45, "B1": 1.2e-3, "B2": 5e-4}
     found = natural_frequency({"fits": {"before": {"parameters": numbers}}})
     assert found == pytest.approx(16.27, abs=0.01)
+
+
+def saved(rng, windows=6, rows=24, slots=("k", "Ts1")):
+    """A linearisation of two recordings in windows, as if it had been saved."""
+    shape = (windows, rows)
+    return Linearisation(
+        rng.normal(size=shape), rng.normal(size=(*shape, 4)), rng.normal(size=(*shape, len(slots))),
+        np.ones(shape, bool), np.zeros((windows, (rows - 4) // 2, 4)), np.ones(windows, bool),
+        slots, np.arange(windows) % 2,
+    )  # fmt: skip
+
+
+def of_saved(lin):
+    """A problem that answers with a saved linearisation."""
+    return types.SimpleNamespace(
+        windows=types.SimpleNamespace(recording=lin.recording), prepared=(None, None),
+        initial_states=lambda values: np.zeros((lin.r.shape[0], 4)),
+        linearise=lambda values, states, slots: lin,
+    )  # fmt: skip
+
+
+def test_a_rival_is_left_with_what_no_fit_of_it_explains():
+    lin, prior = saved(np.random.default_rng(0)), np.diag([5.0, 0.5])
+    rival = Alternative(None, (Unknown("k"), Unknown("Ts1")), prior, 1.0)
+    left = _left(of_saved(lin), None, rival)
+    for run in range(2):
+        which = np.flatnonzero(lin.recording == run)
+        # the windows' states and the rival's numbers at once, with what is known of these
+        full = np.zeros((which.size * 24 + 2, 4 * which.size + 2))
+        for j, w in enumerate(which):
+            full[24 * j : 24 * (j + 1), 4 * j : 4 * (j + 1)] = lin.states_jac[w]
+            full[24 * j : 24 * (j + 1), -2:] = lin.slots_jac[w]
+        full[-2:, -2:] = np.sqrt(prior)
+        r = np.append(lin.r[which].ravel(), [0.0, 0.0])
+        least = r - full @ np.linalg.lstsq(full, r, rcond=None)[0]
+        assert left[run] == pytest.approx(least @ least, rel=1e-6)
+
+
+def test_a_run_that_a_rival_cannot_follow_is_told_and_the_other_judged():
+    lin = saved(np.random.default_rng(1))
+    lin.complete[1] = False  # a window of the second run
+    left = _left(of_saved(lin), None, Alternative(None, (Unknown("k"),), np.eye(1), 1.0))
+    assert np.isfinite(left[0])
+    assert np.isnan(left[1])
+
+
+def test_what_is_known_of_a_rival_leaves_more():
+    lin, unknowns = saved(np.random.default_rng(2)), (Unknown("k"), Unknown("Ts1"))
+    free, known = (
+        _left(of_saved(lin), None, Alternative(None, unknowns, size * np.eye(2), 1.0))
+        for size in (1e-6, 1e6)
+    )
+    assert (free < known).all()
 
 
 @pytest.mark.slow

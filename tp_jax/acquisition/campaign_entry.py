@@ -16,6 +16,7 @@ from tp_jax.acquisition.run_log import Recorded, metadata_path
 from tp_jax.errors import InputError
 from tp_jax.recordings import LEAST_SAMPLES, load_campaign
 from tp_jax.recordings.checks import check_recording
+from tp_jax.schemas.checking import read_toml
 
 CAMPAIGN = "campaign.toml"
 
@@ -39,10 +40,7 @@ def entries_of(folder: Path) -> list[dict[str, Any]]:
     file = folder / CAMPAIGN
     if not file.exists():
         return []
-    try:
-        found = _toml(_read(file)).get("recording", [])
-    except (ValueError, RecursionError) as fault:
-        raise InputError(f"{file} is not TOML: {fault}.") from fault
+    found = read_toml(file).get("recording", [])
     return [each for each in found if isinstance(each, dict)] if isinstance(found, list) else []
 
 

@@ -4,8 +4,6 @@ The metadata (docs/recording.md shows them) are there from the first sample on a
 `"state": "recording"` until the end, so that a recording that was cut off tells so itself.
 """
 
-import json
-import os
 import time
 from array import array
 from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax._files import plain, replaced
+from tp_jax._files import write_json
 from tp_jax._version import __version__
 from tp_jax.acquisition.clock import ClockFit, fit_clock
 from tp_jax.acquisition.port import Port
@@ -24,7 +22,7 @@ from tp_jax.acquisition.protocol import BRIDGES
 from tp_jax.acquisition.streams import Rows, Stream
 from tp_jax.acquisition.writer import CsvWriter
 from tp_jax.recordings.calibration import Calibration, calibration_entry
-from tp_jax.schemas.recording import VERSION
+from tp_jax.schemas.recording import VERSION, metadata_path
 
 LISTED_FROM = 0.05  # seconds of a gap that is listed by itself; shorter ones are only counted
 MOST_LISTED = 1000
@@ -294,15 +292,6 @@ class RunLog:
         return timeline.lost - min(max(beyond - self._cut, 0), self._lost_at_end)
 
 
-def metadata_path(recording: str | os.PathLike[str]) -> Path:
-    """The place of a recording's metadata."""
-    return Path(f"{os.fspath(recording)}.meta.json")
-
-
 def write_metadata(recording: Path, content: Mapping[str, Any]) -> dict[str, Any]:
     """Writes or replaces a recording's metadata; returns them in JSON's own types."""
-    own = plain(content)
-    text = json.dumps(own, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    with replaced(metadata_path(recording)) as part:
-        part.write_text(text, encoding="utf-8", newline="\n")
-    return own
+    return write_json(metadata_path(recording), content)

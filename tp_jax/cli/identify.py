@@ -25,7 +25,10 @@ if TYPE_CHECKING:
     from tp_jax.estimation.identification import Identification
 
 MODELS = ("newton", "paper")
-METHODS = ("least-squares", "nelder-mead", "levenberg-marquardt", "dogleg", "gauss-newton", "bfgs")
+METHODS = (
+    "least-squares", "nelder-mead", "variable-projection", "levenberg-marquardt", "dogleg",
+    "gauss-newton", "bfgs",
+)  # fmt: skip
 OBJECTIVES = ("windows", "free-run")
 LOSSES = ("linear", "huber", "soft-l1", "cauchy")
 SAMPLINGS = ("sobol", "latin-hypercube")
@@ -55,7 +58,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--method",
         choices=METHODS,
         default=METHODS[0],
-        help=f"default {METHODS[0]}; nelder-mead is the paper's, the last four are optimistix's",
+        help=f"default {METHODS[0]}; nelder-mead is the paper's, those after it run on optimistix",
     )
     parser.add_argument(
         "--objective",

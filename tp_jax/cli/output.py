@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from tp_jax import _files
 from tp_jax._files import plain as plain
 from tp_jax.errors import InputError
+from tp_jax.schemas.recording import metadata_path
 
 if TYPE_CHECKING:
     from tp_jax.simulation.solve import Trajectory
@@ -90,7 +91,7 @@ def ready(*targets: str | Path | None, overwrite: bool | None = None) -> None:
 
 def is_recording(path: Path) -> bool:
     """Whether a file has metadata beside it, or a campaign.toml that lists it."""
-    if metadata_of(path).exists():
+    if metadata_path(path).exists():
         return True
     if not path.is_file():
         return False
@@ -100,11 +101,6 @@ def is_recording(path: Path) -> bool:
     except (OSError, ValueError, LookupError, TypeError):  # no campaign, or none that can be read
         return False
     return any(Path(os.path.realpath(path.parent / each)) == path for each in files)
-
-
-def metadata_of(recording: Path) -> Path:
-    """Where `tp-jax record` writes what is known of a recording."""
-    return Path(f"{recording}.meta.json")
 
 
 def _try(target: str | Path, path: Path) -> None:
@@ -171,4 +167,4 @@ def write_trajectory(target: str | None, trajectory: "Trajectory") -> None:
         sys.stdout.write(text)
     else:
         write_text(target, text)
-        metadata_of(Path(os.path.realpath(target))).unlink(missing_ok=True)
+        metadata_path(Path(os.path.realpath(target))).unlink(missing_ok=True)

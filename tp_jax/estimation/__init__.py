@@ -9,8 +9,9 @@ fitted                               where a fit ended, and its priors
 elimination, least_squares           Gauss-Newton over unknowns and window states together
 variable_projection                  the same with the states projected out (window_states,
                                      bounded_step); robust losses (robust)
-optimistix_methods                   Levenberg-Marquardt, Dogleg, BFGS, or a solver of the user's
-                                     own, on one traced function (window_residuals)
+projected_gauss_newton               variable projection as a solver of optimistix
+optimistix_methods                   that, Levenberg-Marquardt, Dogleg, BFGS, or a solver of the
+                                     user's own, on one traced function (window_residuals)
 blocks, intervals, noise_levels      scatter of blocks, intervals, noise by channel
 free_runs                            the paper's objective (17), of many sets of numbers at once
 simplex, nelder_mead                 the paper's method, for optimistix, from one simplex or many;

@@ -39,13 +39,20 @@ def scaled_inverse(information: np.ndarray, cut: float = 1e-12) -> np.ndarray:
 
 
 def eliminate(
-    r: np.ndarray, states_jac: np.ndarray, jac: np.ndarray, damping: float = 0.0
+    r: np.ndarray,
+    states_jac: np.ndarray,
+    jac: np.ndarray,
+    damping: float = 0.0,
+    kinked: np.ndarray | None = None,
 ) -> Eliminated:
     """Projects the window states out.
 
     Args:
         r: (w, m) residuals. states_jac: (w, m, 4). jac: (w, m, u).
         damping: relative Levenberg-Marquardt damping of the states.
+        kinked: (w,) bool, windows whose state lies in a kink of their sum of squares. It cannot
+            go down the slope that it still has, so it follows the unknowns along the kink alone,
+            where the slope is zero.
     """
     xt = states_jac.transpose(0, 2, 1)
     hxx = xt @ states_jac
@@ -61,6 +68,12 @@ def eliminate(
     hxx = hxx + (damping * diagonal + floor)[:, :, None] * np.eye(hxx.shape[1])
     solved = np.linalg.solve(hxx, np.concatenate([gx[..., None], hxu], axis=2))
     step, gain = -solved[..., 0], -solved[..., 1:]
+    if kinked is not None and kinked.any():
+        promise = -np.einsum("wx,wx->w", gx, step)
+        across = np.einsum("wx,wxu->wu", step, hxu) / np.maximum(promise, 1e-300)[:, None]
+        held = gain + step[:, :, None] * across[:, None, :]  # then gx'held is zero
+        gain = np.where(kinked[:, None, None], held, gain)
+        step = np.where(kinked[:, None], 0.0, step)
     g = gu + np.einsum("wxu,wx->wu", hxu, step)
     H = huu + hxu.transpose(0, 2, 1) @ gain
     cost = (r**2).sum(axis=1) + np.einsum("wx,wx->w", gx, step)

@@ -71,10 +71,11 @@ def identify(
         campaign: see `load_campaign`.
         model: "newton", or "paper" for the equations as printed.
         method: "least-squares" (Gauss-Newton with the windows' states projected out),
-            "levenberg-marquardt", "dogleg", "gauss-newton" or "bfgs" (optimistix), or
-            "nelder-mead".
-        solver: any least-squares solver or minimiser of optimistix instead; it minimises the
-            windows' residuals in coordinates in which one standard error is one.
+            "variable-projection" (the same by optimistix), "levenberg-marquardt", "dogleg",
+            "gauss-newton" or "bfgs" (optimistix), or "nelder-mead".
+        solver: any least-squares solver or minimiser of optimistix instead, `VariableProjection`
+            among them; it minimises the windows' residuals in coordinates in which one standard
+            error is one.
         starts: the first is the data's own, the others are drawn over the bounds (see `starts`).
         fix: parameters to hold, by name, SI units.
         bound: (lower, upper) by name, SI units.

@@ -29,12 +29,13 @@ def fitter(name: str | Solver, setting: Setting, objective: Objective) -> Method
         setting: what is fitted. objective: what is minimised.
     """
     if name in (LEAST_SQUARES, NELDER_MEAD):
-        return variable_projection.fit
+        return functools.partial(variable_projection.fit, kinks=True)
     solver = optimistix_methods.SOLVERS[name] if isinstance(name, str) else name
     blocks = max(len(problem_of(setting, r).blocks()) for r in rungs(setting, objective))
-    evaluations = optimistix_methods.EVALUATIONS if isinstance(name, str) else AT_MOST
+    known = isinstance(name, str)
+    evaluations = optimistix_methods.EVALUATIONS if known else AT_MOST
     return functools.partial(
-        optimistix_methods.fit, solver=solver, blocks=blocks, evaluations=evaluations
+        optimistix_methods.fit, solver=solver, blocks=blocks, evaluations=evaluations, ends=known
     )
 
 

@@ -2,31 +2,34 @@
 
 All minimise one function, `window_residuals`, in coordinates in which one standard error is one:
 none of them scales by itself. None knows bounds either: beyond one the function is constant, and an
-unknown that a bound stops is left out of the next run, or let go if it wants back. The windows'
-states are put where they fit best inside the function.
+unknown that the best step takes to a bound is put there for a run, and let go if it wants back. The
+windows' states are put where they fit best inside the function, from where the run's reference and
+its slopes take them; between two runs they are settled anew.
 """
 
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, PyTree, Scalar
 
+from tp_jax.estimation import variable_projection
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Anchor, Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.projected_gauss_newton import VariableProjection
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.variable_projection import NOTHING, SETTLED
 from tp_jax.estimation.window_residuals import WindowResiduals, window_residuals
-from tp_jax.estimation.window_states import settle
+from tp_jax.estimation.window_states import KINK, settle, state_steps
 
 log = logging.getLogger(__name__)
 
@@ -34,20 +37,35 @@ log = logging.getLogger(__name__)
 Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
 SOLVER_KINDS = (optx.AbstractLeastSquaresSolver, optx.AbstractMinimiser)
 
-NEAR = 0.02  # standard errors: closer than that no method needs to come
-RUNS = 8  # of the method, with its coordinates scaled anew in between
-EVALUATIONS = 30  # of a run
+RUNS = 12  # of the method, with its coordinates scaled and the windows settled anew in between
+TOGETHER = 1  # steps of the windows' states and the unknowns together before the first run
+EVALUATIONS = 12  # of a run: windows that began in the wrong place hold up more of them
 RANK = 1e-10  # relative eigenvalue of the information below which a direction is not scaled up
 HELD = 1e-4  # weight of a coordinate's way from its origin: what no residual tells stays there
 
-# By the root mean square: in the largest of ten thousand residuals a window's kink never ends.
-_ENDS = {"rtol": 1e-8, "atol": NEAR, "norm": optx.rms_norm}
+# By the root mean square: in the largest of ten thousand residuals a window's kink never ends. The
+# other tolerance is that of the fit, see `_ending`.
+_ENDS = {"rtol": 1e-8, "atol": 0.02, "norm": optx.rms_norm}
+
+
+class DampedGaussNewton(optx.AbstractGaussNewton):
+    """Gauss-Newton steps, halved until they go down: `optimistix.GaussNewton` takes them as they
+    are, and where the model is wrong the first ones from afar go up."""
+
+    rtol: float | Array
+    atol: float | Array
+    norm: Callable[[PyTree], Scalar]
+    descent: optx.NewtonDescent = optx.NewtonDescent()
+    search: optx.BacktrackingArmijo = optx.BacktrackingArmijo()
+    verbose: Callable[..., None] = eqx.field(static=True, default=lambda **_: None)
+
 
 #: By the name on the command line.
 SOLVERS: dict[str, Solver] = {
+    "variable-projection": VariableProjection(),
     "levenberg-marquardt": optx.LevenbergMarquardt(**_ENDS),
     "dogleg": optx.Dogleg(**_ENDS),
-    "gauss-newton": optx.GaussNewton(**_ENDS),
+    "gauss-newton": DampedGaussNewton(**_ENDS),
     "bfgs": optx.BFGS(**_ENDS),
 }
 
@@ -89,6 +107,7 @@ def fit(
     anchors: Sequence[Anchor] = (),
     max_iterations: int = RUNS,
     evaluations: int = EVALUATIONS,
+    ends: bool = False,
     tolerance: float = 0.02,
     relative: float = 1e-6,
     loss: Loss = "linear",
@@ -102,6 +121,8 @@ def fit(
         solver: of optimistix; `SOLVERS` has those with a name.
         max_iterations: runs of the method at most.
         evaluations: in a run at most.
+        ends: whether the method is told to end where it has nothing to gain; otherwise it ends by
+            its own tolerances.
         blocks: of windows that other horizons of the campaign have, so that one compiled program
             serves them all.
     """
@@ -112,19 +133,21 @@ def fit(
     to = lambda x: np.array(  # noqa: E731
         [float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)]
     )
+    # The windows of another horizon have states that fit neither the unknowns nor each other. A
+    # step of all together brings them near; settled before it, many end in minima of their own.
+    begun = variable_projection.fit(
+        problem, values, unknowns, states, bounds=bounds, anchors=anchors, max_iterations=TOGETHER,
+        tolerance=tolerance, relative=relative, loss=loss, kinks=True,
+    )  # fmt: skip
+    settled = np.array_equal(begun.values.table, values.table)  # no step was to be had otherwise
+    values, states, lin, passes = begun.values, begun.states, begun.linearisation, begun.evaluations
     floor = np.array([1e-300 if s.transform == "log" else -np.inf for s in specs])
     low, high = (to(np.maximum(end, floor)) for end in limits.T)
     slots = columns(unknowns)
-    u = to(np.clip(values.pick(unknowns), *limits.T))
-    values = values.put(unknowns, _values(specs, u, limits))
-    states = problem.initial_states(values) if states is None else states
-    lin = robust(problem.linearise(values, states, slots), loss)
-    passes = 1.0
+    u = to(np.maximum(values.pick(unknowns), floor))
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
-    if lin.complete.all():
-        settled = settle(problem, values, states, lin, slots, loss=loss)
-        states, passes = settled.states, passes + settled.passes
     cost = lin.cost() + _prior(u, unknowns, anchors)
+    to_bounds = True
     converged, message = False, "The limit of runs was reached."
     if not np.isfinite(cost):
         message = "The start could not be integrated."
@@ -132,7 +155,8 @@ def fit(
         if not np.isfinite(cost):
             break
         slope = np.array([s.slope(v) for s, v in zip(specs, values.pick(unknowns), strict=True)])
-        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope)
+        kinked = state_steps(lin, np.zeros(problem.windows.n))[1] >= KINK if settled else None
+        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
         for a in anchors:
             i = unknowns.index(a.unknown)
@@ -145,31 +169,43 @@ def fit(
             converged, message = True, "Another run of the method would gain nothing."
             break
         needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
+        begin = states + elim.state_step
         windows = window_residuals(
-            problem, values, states, unknowns, specs, anchors, blocks=needed, loss=loss,
-            enough=SETTLED * unit,
+            problem, values, begin, elim.state_gain, unknowns, specs, anchors, blocks=needed,
+            loss=loss, enough=SETTLED * unit,
         )  # fmt: skip
-        found, spent = _search(solver, evaluations, _scaled(windows, u, (low, high), g, H, unit))
+        method = _ending(solver, enough / unit, len(unknowns)) if ends else solver
+        scaled, moved = _scaled(windows, u, (low, high), g, H, unit, to_bounds=to_bounds)
+        best, spent = _search(method, evaluations, scaled)
         passes += float(spent)
-        new_u = np.clip(np.asarray(found), low, high)
+        new_u = np.clip(np.asarray(best), low, high)
         if not np.isfinite(new_u).all():
             message = "The method left the region that can be integrated."
             break
         new_values = values.put(unknowns, _values(specs, new_u, limits))
-        new_states = states + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
+        new_states = begin + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
         new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
         passes += 1.0
         if new_lin.complete.all():
-            settled = settle(problem, new_values, new_states, new_lin, slots, loss=loss)
-            new_states, passes = settled.states, passes + settled.passes
+            found = settle(problem, new_values, new_states, new_lin, slots, loss=loss, kinks=True)
+            new_states, passes = found.states, passes + found.passes
         new_cost = new_lin.cost() + _prior(new_u, unknowns, anchors)
         log.debug("%s: run %d cost %.8g -> %.8g, %d evaluations",
                   type(solver).__name__, run, cost, new_cost, int(spent))  # fmt: skip
+        if not new_cost < cost and moved:  # what went to a bound should have stayed where it was
+            to_bounds = False
+            continue
+        if not new_cost < cost and not settled:
+            found = settle(problem, values, states, lin, slots, loss=loss, kinks=True)
+            states, passes, settled = found.states, passes + found.passes, True
+            cost = lin.cost() + _prior(u, unknowns, anchors)
+            continue
         if not new_cost < cost:
             converged, message = run > 0, "Another run of the method gained nothing."
             break
         gained = cost - new_cost
         u, values, states, lin, cost = new_u, new_values, new_states, new_lin, new_cost
+        settled = to_bounds = True
         if gained < enough:
             converged, message = True, "The last run of the method gained nothing."
             break
@@ -183,24 +219,41 @@ def fit(
     )  # fmt: skip
 
 
+def _ending(solver: Solver, enough: float, unknowns: int) -> Solver:
+    """The method, which ends where a step gains less than `enough`, in the residuals' units.
+
+    A standard error of each unknown is a way of one in the method's coordinates, and costs one.
+    """
+    promises = isinstance(solver, VariableProjection)
+    atol = enough if promises else math.sqrt(enough / max(unknowns, 1))
+    return eqx.tree_at(lambda s: s.atol, solver, jnp.asarray(atol))
+
+
 def _scaled(
     windows: WindowResiduals, u: np.ndarray, box: tuple[np.ndarray, np.ndarray], g: np.ndarray,
-    H: np.ndarray, unit: float,
-) -> _Scaled:  # fmt: skip
-    """Coordinates in which the information at the reference is one.
+    H: np.ndarray, unit: float, *, to_bounds: bool,
+) -> tuple[_Scaled, bool]:  # fmt: skip
+    """Coordinates in which the information at the reference is one; whether an unknown was moved.
 
-    An unknown at a bound is left out of them where the best step leaves it there.
+    An unknown at a bound is left out of them where the best step leaves it there. So is one that
+    the step takes to a bound, and it is put there: a method that knows no bounds would go on
+    against it. With `to_bounds` false only the first are left out.
     """
     low, high = box
     step = bounded_step(g, H, low - u, high - u, 0.0).du
-    free = ((u > low) & (u < high)) | (step != 0.0)
+    free = (step > low - u) & (step < high - u)
+    if not to_bounds:
+        free |= step != 0.0
+    moved = bool((step[~free] != 0.0).any())
+    u = np.where(free, u, np.clip(u + step, low, high))
     Hf = H[np.ix_(free, free)] / unit
     scale = np.sqrt(np.maximum(np.diag(Hf), 1e-12 * max(np.diag(Hf).max(initial=0.0), 1e-300)))
     values, vectors = np.linalg.eigh(Hf / np.outer(scale, scale))
     values = np.maximum(values, RANK * values.max(initial=1e-300))
     axes = np.zeros_like(H)
     axes[np.ix_(free, free)] = vectors / np.sqrt(values) / scale[:, None]
-    return _Scaled(windows, *map(jnp.asarray, (u, axes, low, high, math.sqrt(unit))))
+    scaled = _Scaled(windows, *map(jnp.asarray, (u, axes, low, high, math.sqrt(unit))))
+    return scaled, moved
 
 
 @eqx.filter_jit

@@ -50,7 +50,7 @@ def _join(found: dict[str, dict], fit: Fit, setting: Setting, name: str, loss: L
     fits = [
         fit_projected(
             fit.problem, fit.values.put((which,), np.array([x])), others, fit.states,
-            bounds=setting.bounds, anchors=anchors, loss=loss,
+            bounds=setting.bounds, anchors=anchors, loss=loss, kinks=True,
         )
         for x in held
     ]  # fmt: skip

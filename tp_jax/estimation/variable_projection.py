@@ -23,12 +23,11 @@ from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
-from tp_jax.estimation.window_states import settle, state_steps
+from tp_jax.estimation.window_states import KINK, settle, state_steps
 from tp_jax.model.parameters import Parameter
 
 log = logging.getLogger(__name__)
 
-KINK = 1.0  # a settled window that promises to gain more than this will not keep it
 #: Where kinks of the windows' states roughen the sum of squares, a promise of so many times what
 #: counts as nothing may not be kept.
 NOISE = 30.0
@@ -52,11 +51,17 @@ def fit(
     tolerance: float = 0.02,
     relative: float = 1e-6,
     loss: Loss = "linear",
+    kinks: bool = False,
 ) -> Fit:
     """Fits unknowns and window states to all windows of a problem.
 
     Arguments and result are those of `least_squares.fit`, but for `loss` (see `robust`);
-    `evaluations` counts passes over the windows.
+    `evaluations` counts passes over the windows, and:
+
+    Args:
+        kinks: whether the state of a window that lies in a kink (see `window_states`) follows the
+            unknowns along it alone. Otherwise it is taken to follow them wherever its slope leads,
+            which no kink keeps, and a fit may end above its neighbourhood for it.
     """
     unknowns = tuple(unknowns)
     specs = [parameter(problem, u) for u in unknowns]
@@ -79,8 +84,9 @@ def fit(
         """Moves states, and with them the linearisation, to where no window promises more."""
         nonlocal passes, of_states
         found = settle(
-            problem, values, states, lin, slots, tolerance=tolerance, damping=of_states, loss=loss
-        )
+            problem, values, states, lin, slots, tolerance=tolerance, damping=of_states, loss=loss,
+            kinks=kinks,
+        )  # fmt: skip
         states[:], passes, of_states = found.states, passes + found.passes, found.damping
 
     converged, message = False, "The iteration limit was reached."
@@ -91,7 +97,9 @@ def fit(
             break
         u = np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
         slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
-        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope)
+        own, promised = state_steps(lin, np.zeros(problem.windows.n))
+        kinked = promised >= KINK if kinks and settled else None
+        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
         for a in anchors:
             i = unknowns.index(a.unknown)
@@ -103,7 +111,6 @@ def fit(
         unit = max(cost / dof, 1.0)
         enough = max(tolerance, NOTHING * unit, relative * cost)
         promise = bounded_step(g, H, *box, 0.0).promise
-        own, promised = state_steps(lin, np.zeros(problem.windows.n))
         if not settled:
             if promise < enough <= promise + promised.sum():
                 put_right(values, states, lin, SETTLED * unit)
@@ -116,7 +123,7 @@ def fit(
         if promise + promised < enough:
             converged, message = True, "The next step would gain nothing."
             break
-        accepted = refused = False
+        accepted = refused = again = False
         while not accepted:
             step = bounded_step(g, H, *box, damping)
             new_x = np.array(
@@ -151,8 +158,16 @@ def fit(
                 break
             elif passes > max_iterations:
                 break
+            elif kinks and not settled:
+                # The states' own steps may be to blame: a kink keeps none of them.
+                put_right(values, states, lin, SETTLED * unit)
+                cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
+                settled = again = True
+                break
             else:
                 refused, damping = True, 10.0 * max(damping, 1e-4)
+        if again:
+            continue
         if not accepted:
             break
         small = cost - new_cost < enough and damping < 1.0

@@ -3,7 +3,8 @@
 Methods of optimistix minimise it. The windows' states are no unknowns of theirs: inside the
 function each window's state is put where the window fits best, so that what the method sees is the
 sum of squares that `variable_projection` minimises. The Jacobian is Kaufman's: the columns by the
-unknowns, less what the states make up for. It comes from the same integration as the residuals.
+unknowns, less what the states make up for; a state in a kink makes up along it alone (see
+`window_states`). It comes from the same integration as the residuals.
 
 Source: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10:413; Kaufman (1975), BIT 15:49.
 """
@@ -22,25 +23,28 @@ from tp_jax.estimation.linearisation import columns
 from tp_jax.estimation.problem import LANES, Problem
 from tp_jax.estimation.program import Block, linearise
 from tp_jax.estimation.robust import Loss, robustify
-from tp_jax.estimation.window_states import FIRST, HOPELESS
+from tp_jax.estimation.window_states import KINK
 
 #: Steps of the windows' states in one evaluation. Three are enough unless the rider of a window
 #: just sticks; such a window never ends, and all others would wait for it.
 ROUNDS = 4
 
+TINY = 1e-300  # in place of a divisor of zero
 NO_SLOTS = np.zeros(0, int)  # directions of a pass that looks at the windows' states alone
 
 
 class Unfolded(NamedTuple):
     """One block of windows (lanes last) and where each sample belongs.
 
-    recording: (L,) of each lane; states: (L, W, 4) at the windows' starts, W windows a lane;
-    window: (n, L) window of each sample in its lane; there: (L, W) whether there is one; previous,
-    before, scale: (n, 2, L) weights of the noise's whitening (see `_whitened`); block: the data.
+    recording: (L,) of each lane; states: (L, W, 4) at the windows' starts at the reference, W
+    windows a lane; gain: (L, W, 4, u) how they follow the unknowns; window: (n, L) window of each
+    sample in its lane; there: (L, W) whether there is one; previous, before, scale: (n, 2, L)
+    weights of the noise's whitening (see `_whitened`); block: the data.
     """
 
     recording: Int[Array, " L"]
     states: Float[Array, "L W 4"]
+    gain: Float[Array, "L W 4 u"]
     window: Int[Array, "n L"]
     there: Bool[Array, "L W"]
     previous: Float[Array, "n 2 L"]
@@ -85,6 +89,7 @@ class WindowResiduals(eqx.Module):
         coordinates: of the unknowns.
         blocks: the data, stacked along the first axis.
         enough: drop of a window's sum of squares for which its state is not moved.
+        reference: (u,) coordinates from which the windows' states begin to follow.
         centre, weight: (u,) of the priors, 1/sd, 0 where there is none.
     """
 
@@ -98,6 +103,7 @@ class WindowResiduals(eqx.Module):
     coordinates: Coordinates
     blocks: Unfolded
     enough: Float[Array, ""]
+    reference: Float[Array, " u"]
     centre: Float[Array, " u"]
     weight: Float[Array, " u"]
 
@@ -115,7 +121,8 @@ class WindowResiduals(eqx.Module):
 
         def one(b: Unfolded):
             p = table[:, b.recording]
-            states = self._best_states(p, b)
+            begin = b.states + jnp.einsum("lwxu,u->lwx", b.gain, u - self.reference)
+            states = self._best_states(p, begin, b)
             seen = self._pass(p, states, b, self.directions)
             by = slope * mine[:, b.recording].T[:, None, :]  # (L, 1, u)
             direct = seen.jac[..., 4:][..., c.place] * by[:, :, None]
@@ -123,7 +130,7 @@ class WindowResiduals(eqx.Module):
             own, prior_own = seen.jac[..., :4], seen.prior_jac[..., :4]
             cross = _by_window(jnp.einsum("lncx,lncu->lnxu", own, direct), b)
             cross = cross + jnp.einsum("lwcx,lwcu->lwxu", prior_own, prior)
-            gain = -jnp.linalg.solve(_floored(seen.information, 0.0), cross)  # (L, W, 4, u)
+            gain = self._followed(seen, cross)
             lane = jnp.arange(LANES)[:, None]
             jac = direct + jnp.einsum("lncx,lnxu->lncu", own, gain[lane, b.window.T])
             prior = prior + jnp.einsum("lwcx,lwxu->lwcu", prior_own, gain)
@@ -135,8 +142,26 @@ class WindowResiduals(eqx.Module):
         r = jnp.append(r.reshape(-1), (u - self.centre) * self.weight)
         return r, jnp.concatenate([J.reshape(-1, u.size), jnp.diag(self.weight)])
 
-    def _best_states(self, p: Float[Array, "P L"], b: Unfolded) -> Float[Array, "L W 4"]:
-        """States (L, W, 4) from which no window gains much: damped Gauss-Newton, each its own."""
+    def _followed(self, seen: "_Seen", cross: Float[Array, "L W 4 u"]) -> Float[Array, "L W 4 u"]:
+        """How the windows' states follow the unknowns: along a kink where they lie in one, as in
+        `elimination.eliminate`."""
+        g = seen.gradient
+        solved = -_solved(seen.information, jnp.concatenate([g[..., None], cross], axis=-1))
+        step, gain = solved[..., 0], solved[..., 1:]
+        promise = -jnp.sum(g * step, axis=-1)
+        across = jnp.einsum("lwx,lwxu->lwu", step, cross) / jnp.maximum(promise, TINY)[..., None]
+        held = gain + step[..., None] * across[..., None, :]
+        kinked = promise > jnp.maximum(self.enough, KINK)
+        return jnp.where(kinked[..., None, None], held, gain)
+
+    def _best_states(
+        self, p: Float[Array, "P L"], states: Float[Array, "L W 4"], b: Unfolded
+    ) -> Float[Array, "L W 4"]:
+        """States (L, W, 4) from which no window gains much: Gauss-Newton steps, each its own.
+
+        A step that was refused tells the slope behind a kink, if there is one; the next one goes
+        down on both sides, half as far.
+        """
         largest = jnp.asarray(MAX_STATE_STEP)
 
         def look(states):
@@ -144,33 +169,43 @@ class WindowResiduals(eqx.Module):
             cost = jnp.where(seen.complete[:, None], seen.cost, jnp.inf)
             return cost, seen.gradient, seen.information
 
-        def gains(carry):
-            _, damping, cost, g, H = carry
-            full = jnp.linalg.solve(_floored(H, 0.0), g[..., None])[..., 0]
-            promise = jnp.sum(g * full, axis=-1)
-            return b.there & jnp.isfinite(cost) & (promise > self.enough) & (damping < HOPELESS)
+        def steps(carry):
+            """Steps of the windows that have something to gain, and which these are."""
+            _, _, beyond, cost, g, H = carry
+            both = _solved(H, jnp.stack([g, beyond], axis=-1))
+            there, back = both[..., 0], both[..., 0] - both[..., 1]
+            across = jnp.sum((g - beyond) * back, axis=-1)
+            part = jnp.clip(jnp.sum(g * back, axis=-1) / jnp.maximum(across, TINY), 0.0, 1.0)
+            mean, step = g - part[..., None] * (g - beyond), there - part[..., None] * back
+            promise = jnp.sum(mean * step, axis=-1)
+            return -step, b.there & jnp.isfinite(cost) & (promise > self.enough)
 
         def go_on(carry):
             count, inner = carry
-            return (count < ROUNDS) & jnp.any(gains(inner))
+            return (count < ROUNDS) & jnp.any(steps(inner)[1])
 
         def move(carry):
-            count, (states, damping, cost, g, H) = carry
-            open_ = gains((states, damping, cost, g, H))
-            step = -jnp.linalg.solve(_floored(H, damping), g[..., None])[..., 0]
-            step = jnp.where(open_[..., None], jnp.clip(step, -largest, largest), 0.0)
+            count, (states, share, beyond, cost, g, H) = carry
+            step, open_ = steps((states, share, beyond, cost, g, H))
+            step = jnp.clip(share[..., None] * step, -largest, largest)
+            step = jnp.where(open_[..., None], step, 0.0)
             new_cost, new_g, new_H = look(states + step)
             better = open_ & (new_cost < cost)
-            damping = jnp.where(better, jnp.maximum(0.1 * damping, 1e-9), damping)
             worse = open_ & ~better
-            damping = jnp.where(worse, 30.0 * jnp.maximum(damping, FIRST), damping)
+            share = jnp.where(better, jnp.minimum(2.0 * share, 1.0), share)
+            share = jnp.where(worse, 0.5 * share, share)
+            known = worse & jnp.isfinite(new_cost)
+            beyond = jnp.where(known[..., None], new_g, beyond)
+            # until a step is refused there is no other side
+            beyond = jnp.where((better & (share == 1.0))[..., None], new_g, beyond)
             states = jnp.where(better[..., None], states + step, states)
             cost = jnp.where(better, new_cost, cost)
             g = jnp.where(better[..., None], new_g, g)
             H = jnp.where(better[..., None, None], new_H, H)
-            return count + 1, (states, damping, cost, g, H)
+            return count + 1, (states, share, beyond, cost, g, H)
 
-        begin = (b.states, jnp.full(b.there.shape, FIRST), *look(b.states))
+        cost, g, H = look(states)
+        begin = (states, jnp.ones(b.there.shape), g, cost, g, H)
         return jax.lax.while_loop(go_on, move, (0, begin))[1][0]
 
     def _pass(
@@ -221,16 +256,11 @@ def _by_window(x: Float[Array, "L n ..."], b: Unfolded) -> Float[Array, "L W ...
     return jax.ops.segment_sum(flat, where, lanes * count).reshape(lanes, count, *x.shape[2:])
 
 
-def _floored(H: Float[Array, "L W 4 4"], damping) -> Float[Array, "L W 4 4"]:
-    """Information that can be solved with, damped (L, W).
-
-    A window that says nothing keeps its state where it is.
-    """
-    diagonal = jnp.einsum("lwii->lwi", H)
-    largest = diagonal.max(axis=-1, keepdims=True)
+def _solved(H: Float[Array, "L W 4 4"], right: Float[Array, "L W 4 n"]) -> Float[Array, "L W 4 n"]:
+    """Information's inverse times right-hand sides; nothing for a window that says nothing."""
+    largest = jnp.einsum("lwii->lwi", H).max(axis=-1)
     floor = jnp.where(largest > 0.0, 1e-12 * largest, 1.0)
-    more = jnp.asarray(damping)[..., None] * diagonal + floor
-    return H + more[..., None] * jnp.eye(H.shape[-1])
+    return jnp.linalg.solve(H + floor[..., None, None] * jnp.eye(H.shape[-1]), right)
 
 
 def _whitened(x: Float[Array, "L n 2 q"], b: Unfolded) -> Float[Array, "L n 2 q"]:
@@ -252,21 +282,22 @@ def _whitened(x: Float[Array, "L n 2 q"], b: Unfolded) -> Float[Array, "L n 2 q"
 
 
 def window_residuals(
-    problem: Problem, values: Values, states: np.ndarray, unknowns, specs, anchors, *,
-    blocks: int, loss: Loss = "linear", enough: float = 0.01,
+    problem: Problem, values: Values, states: np.ndarray, gain: np.ndarray, unknowns, specs,
+    anchors, *, blocks: int, loss: Loss = "linear", enough: float = 0.01,
 ) -> WindowResiduals:  # fmt: skip
     """The function at a reference.
 
     Args:
         problem: recordings in windows.
         values: all numbers that are not searched.
-        states: (w, 4) where the windows' states begin in every evaluation.
+        states: (w, 4) where the windows' states begin in every evaluation,
+        gain: (w, 4, u) and how they follow the unknowns' coordinates from those of `values` on.
         unknowns: what is searched. specs: their parameters. anchors: their priors.
         blocks: how many there are to be, those of other horizons included; the rest is empty.
         loss: of a residual.
         enough: see `WindowResiduals`.
     """
-    found = [_unfolded(problem, states, *each) for each in problem.blocks()]
+    found = [_unfolded(problem, states, gain, *each) for each in problem.blocks()]
     empty = jax.tree.map(np.zeros_like, found[0])
     first = found[0].block
     empty = empty._replace(
@@ -299,17 +330,22 @@ def window_residuals(
         ),
         blocks=jax.tree.map(lambda *x: jnp.stack(x), *found),
         enough=jnp.asarray(enough),
+        reference=jnp.asarray(
+            [float(s.to_coordinate(v)) for s, v in zip(specs, values.pick(unknowns), strict=True)]
+        ),
         centre=jnp.asarray(centre),
         weight=jnp.asarray(weight),
     )
 
 
 def _unfolded(
-    problem: Problem, states: np.ndarray, which: np.ndarray, places: np.ndarray, block: Block
-) -> Unfolded:
+    problem: Problem, states: np.ndarray, gain: np.ndarray, which: np.ndarray, places: np.ndarray,
+    block: Block,
+) -> Unfolded:  # fmt: skip
     """Where the windows of a block lie, and their noise."""
     n, count = problem.capacity, block.begins.shape[0]
     recording, start = np.zeros(LANES, int), np.zeros((LANES, count, 4))
+    follow = np.zeros((LANES, count, *gain.shape[1:]))
     window, there = np.zeros((n, LANES), int), np.zeros((LANES, count), bool)
     previous, before = np.zeros((n, 2, LANES)), np.zeros((n, 2, LANES))
     scale = np.ones((n, 2, LANES))
@@ -318,10 +354,13 @@ def _unfolded(
         span = slice(at, at + size)
         r = recording[lane] = problem.windows.recording[i]
         start[lane, rank], there[lane, rank] = states[i], True
+        follow[lane, rank] = gain[i]
         window[span, lane] = rank
         window[at + size :, lane] = rank  # what comes after the last one weighs nothing
         for c, colour in enumerate(problem.prepared[r].colour):
             rho, theta, innovation = colour.innovations(size)
             previous[span, c, lane], before[span, c, lane] = rho, theta
             scale[span, c, lane] = innovation
-    return Unfolded(recording, start, window, there, previous, before, scale, block)  # type: ignore[arg-type]
+    return Unfolded(  # type: ignore[arg-type]
+        recording, start, follow, window, there, previous, before, scale, block,  # type: ignore[arg-type]
+    )  # fmt: skip

@@ -4,6 +4,12 @@ Gauss-Newton over unknowns and states together takes a wrong step wherever a sin
 answers nonlinearly (a rider that sticks here and slides there), and is refused as a whole for it.
 Windows share nothing but the unknowns, so those few are put right by themselves, and only they
 are integrated again.
+
+Where the rider of a window just sticks, the window's sum of squares has a kink, and its state ends
+there, with slopes on both sides that point to the other. The way further down leads along the kink:
+against the shortest mean of the slopes of both sides, which a step that was refused tells.
+
+Source: Wolfe (1975), Math. Program. Study 3:145; Lemarechal (1975), Math. Program. Study 3:95.
 """
 
 import dataclasses
@@ -23,6 +29,8 @@ FIRST = 1e-3
 #: Damping from which on a window's state is as good as it gets: it lies in a kink, where the rider
 #: just sticks, and no derivative knows.
 HOPELESS = 1e2
+KINK = 1.0  # a settled window that promises to gain more than this lies in a kink
+KINK_ROUNDS = 16  # steps along kinks, of a few windows each; later ones gain next to nothing
 STATES_ALONE = 0.25  # of the time of an evaluation with all derivatives
 
 
@@ -72,6 +80,7 @@ def settle(
     tolerance: float = 0.01,
     damping: np.ndarray | None = None,
     loss: Loss = "linear",
+    kinks: bool = False,
 ) -> Settled:
     """Fits each window's state to the window, all numbers held.
 
@@ -86,6 +95,7 @@ def settle(
         damping: (w,) of Levenberg and Marquardt, as the last call returned it: a window that
             could not be put right then is tried only once more.
         loss: see `robust`.
+        kinks: whether windows that end in a kink go on along it.
     """
     states = states.copy()
     damping = np.full(problem.windows.n, FIRST) if damping is None else damping.copy()
@@ -93,24 +103,46 @@ def settle(
     cost = costs(lin)
     touched = np.zeros(problem.windows.n, dtype=bool)
     passes, total = 0.0, problem.windows.count.sum()
+
+    def tried(which: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, Linearisation]:
+        """Moves those of some windows' states that gain by a step; which, and where all were."""
+        nonlocal passes
+        part = of_windows(problem, which)
+        moved = states[which] + np.clip(step, -MAX_STATE_STEP, MAX_STATE_STEP)
+        new = robust(part.linearise(values, moved, ()), loss)  # by the states alone: far cheaper
+        passes += STATES_ALONE * part.windows.count.sum() / total
+        at_new = costs(new)
+        better = at_new < cost[which]
+        gained = which[better]
+        states[gained], cost[gained] = moved[better], at_new[better]
+        touched[gained] = True
+        put(lin, new, gained, better)
+        return better, new
+
     for _ in range(ROUNDS):
         step, promise = state_steps(lin, damping)
         open_ = np.flatnonzero(lin.complete & (promise > tolerance) & (damping < HOPELESS))
         if not open_.size:
             break
         open_ = in_turn(problem.windows, open_)
-        part = of_windows(problem, open_)
-        moved = states[open_] + np.clip(step[open_], -MAX_STATE_STEP, MAX_STATE_STEP)
-        new = robust(part.linearise(values, moved, ()), loss)  # by the states alone: far cheaper
-        passes += STATES_ALONE * part.windows.count.sum() / total
-        at_new = costs(new)
-        better = at_new < cost[open_]
+        better, _ = tried(open_, step[open_])
         gained = open_[better]
-        states[gained], cost[gained] = moved[better], at_new[better]
-        touched[gained] = True
-        put(lin, new, gained, better)
         damping[gained] = np.maximum(0.1 * damping[gained], 1e-9)
         damping[open_[~better]] = 30.0 * np.maximum(damping[open_[~better]], FIRST)
+    if kinks:
+        least, (beyond, _) = max(tolerance, KINK), state_equations(lin)
+        share = np.ones(problem.windows.n)  # of a step
+        kinked = lin.complete & (state_steps(lin, damping)[1] > least)
+        for _ in range(KINK_ROUNDS):
+            step, promise = steps_along_kinks(lin, beyond)
+            open_ = np.flatnonzero(kinked & lin.complete & (promise > tolerance))
+            if not open_.size:
+                break
+            open_ = in_turn(problem.windows, open_)
+            better, new = tried(open_, (share[:, None] * step)[open_])
+            share[open_] = np.where(better, np.minimum(2.0 * share[open_], 1.0), 0.5 * share[open_])
+            far = ~better & new.complete
+            beyond[open_[far]] = state_equations(new)[0][far]
     if slots and touched.any():
         again = in_turn(problem.windows, np.flatnonzero(touched))
         full = of_windows(problem, again).linearise(values, states[again], slots)
@@ -135,14 +167,37 @@ def put(lin: Linearisation, part: Linearisation, where: np.ndarray, which: np.nd
     lin.complete[where] = part.complete[which]
 
 
+def state_equations(lin: Linearisation) -> tuple[np.ndarray, np.ndarray]:
+    """Half the gradient (w, 4) of every window's sum of squares by its state, and its Gauss-Newton
+    matrix (w, 4, 4), which can be solved with."""
+    xt = lin.states_jac.transpose(0, 2, 1)
+    H = xt @ lin.states_jac
+    floor = np.maximum(1e-12 * np.einsum("wii->wi", H).max(axis=1), 1e-300)
+    return (xt @ lin.r[:, :, None])[..., 0], H + floor[:, None, None] * np.eye(4)
+
+
 def state_steps(lin: Linearisation, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Damped steps of the states (w, 4), and what the full ones promise (w,)."""
-    xt = lin.states_jac.transpose(0, 2, 1)
-    g = (xt @ lin.r[:, :, None])[..., 0]
-    H = xt @ lin.states_jac
+    g, H = state_equations(lin)
+    full = np.linalg.solve(H, g[..., None])[..., 0]
     diagonal = np.einsum("wii->wi", H)
-    floor = np.maximum(1e-12 * diagonal.max(axis=1, keepdims=True), 1e-300)
-    full = np.linalg.solve(H + floor[:, :, None] * np.eye(4), g[..., None])[..., 0]
-    damped = H + (damping[:, None] * diagonal + floor)[:, :, None] * np.eye(4)
+    damped = H + (damping[:, None] * diagonal)[:, :, None] * np.eye(4)
     step = -np.linalg.solve(damped, g[..., None])[..., 0]
     return step, np.einsum("wi,wi->w", g, full)
+
+
+def steps_along_kinks(lin: Linearisation, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Steps of the states (w, 4) down on both sides of a kink, and what they promise (w,).
+
+    Args:
+        lin: where the states are.
+        beyond: (w, 4) half the gradients on the kinks' other sides; as here where there is none.
+    """
+    g, H = state_equations(lin)
+    both = np.linalg.solve(H, np.stack([g, beyond], axis=-1))
+    there, back = both[..., 0], both[..., 0] - both[..., 1]
+    across = np.einsum("wi,wi->w", g - beyond, back)
+    share = np.einsum("wi,wi->w", g, back) / np.maximum(across, 1e-300)
+    share = np.clip(share, 0.0, 1.0)[:, None]
+    mean, step = g - share * (g - beyond), there - share * back
+    return -step, np.einsum("wi,wi->w", mean, step)

@@ -6,12 +6,11 @@ the diagnosis it was making, and nothing else: campaign.toml says which recordin
 """
 
 import dataclasses
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from tp_jax._files import plain, replaced
+from tp_jax._files import write_json
 from tp_jax.errors import InputError
 from tp_jax.gap.next_run import Finding, Forecast, Run
 from tp_jax.schemas.checking import read_versioned
@@ -83,10 +82,8 @@ def write(folder: Path, state: State) -> None:
         InputError: the file system refuses.
     """
     file = folder / FILE
-    content = {"schema": VERSION, **plain(dataclasses.asdict(state))}
     try:
-        with replaced(file) as part:
-            part.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        write_json(file, {"schema": VERSION, **dataclasses.asdict(state)})
     except OSError as fault:
         raise InputError(f"Cannot write {file}: {fault.strerror}.") from fault
 

@@ -19,7 +19,7 @@ from tp_jax.errors import InputError
 from tp_jax.recordings.faults import CampaignError
 from tp_jax.recordings.short import short_fields
 from tp_jax.schemas.checking import Misfit, check, read_json
-from tp_jax.schemas.recording import SCHEMA, VERSION
+from tp_jax.schemas.recording import SCHEMA, VERSION, metadata_path
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ def read_calibration_error(recording: Path) -> dict[str, CalibrationError]:
     Raises:
         CampaignError: the file is there and cannot be read.
     """
-    file = Path(f"{recording}.meta.json")
+    file = metadata_path(recording)
     if not file.is_file():
         return {}
     mend = "restore what was recorded, or move the file away"

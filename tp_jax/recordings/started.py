@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tp_jax.errors import InputError
 from tp_jax.schemas.checking import read_json
-from tp_jax.schemas.recording import VERSION
+from tp_jax.schemas.recording import VERSION, metadata_path
 
 
 def read_started(recording: Path) -> str | None:
@@ -13,7 +13,7 @@ def read_started(recording: Path) -> str | None:
 
     A date is for people and decides nothing: one that cannot be read is no fault.
     """
-    file = Path(f"{recording}.meta.json")
+    file = metadata_path(recording)
     if not file.is_file():
         return None
     try:

@@ -3,11 +3,19 @@
 That is the error which the calibration leaves in its angles. What else the file says is for people.
 """
 
+import os
+from pathlib import Path
 from typing import Any
 
 from tp_jax.schemas.parts import NUMBER, NUMBER_OR_NULL, TEXT, entries, maybe, table
 
 VERSION = "tp-jax/recording/1"
+
+
+def metadata_path(recording: str | os.PathLike[str]) -> Path:
+    """The place of a recording's metadata, beside it."""
+    return Path(f"{os.fspath(recording)}.meta.json")
+
 
 _ERROR = {
     # a reading at the fold of a bridge says nothing of the angle: null
