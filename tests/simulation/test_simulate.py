@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.reference import BENCH, PAPER, reference
+from tp_jax.effects import Applied, catalogue
 from tp_jax.model import Bearing, LinearSpring, SineDrive, SingleTorsionPendulum, presets
 from tp_jax.simulation import simulate
 
@@ -196,3 +197,30 @@ def test_what_takes_too_many_steps_ends_early():
 def test_a_start_must_fit_the_model(y0):
     with pytest.raises(ValueError, match="Argument `y0` must have shape"):
         simulate(presets.get("bench"), TS, y0)
+
+
+@pytest.mark.parametrize("solver", [None, diffrax.Kvaerno5()])
+def test_derivatives_by_times(solver):
+    ts, y0, step = np.linspace(0.3, 1.0, 8), np.array([0.1, 0.05, 1.0, 2.0]), 1e-5
+
+    @jax.jit
+    def last(ts):
+        motion = simulate(presets.get("bench"), ts, y0, tolerance=1e-9, solver=solver)
+        return motion.phi2[-1]
+
+    found = jax.grad(last)(jnp.asarray(ts))
+    moved = [(last(ts + d) - last(ts - d)) / (2.0 * step) for d in step * np.eye(8)]
+    np.testing.assert_allclose(found, moved, rtol=1e-3, atol=1e-6)
+    assert abs(found[0]) > 0.01
+    assert abs(found[-1]) > 0.01
+
+
+def test_derivatives_by_times_of_effects_that_remember_are_refused():
+    remembers = next(e for e in catalogue().values() if e.n_states == 1)
+    sizes = {x.name: 0.0 for x in remembers.amplitudes} | {
+        x.name: x.grid[0] for x in remembers.shapes
+    }
+    terms = (Applied(remembers, sizes),)
+    model = presets.double_pendulum(**presets.values("bench"), terms=terms)
+    with pytest.raises(ValueError, match="states of their own"):
+        jax.grad(lambda ts: simulate(model, ts).phi1[-1])(jnp.linspace(0.0, 0.1, 3))

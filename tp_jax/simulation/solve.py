@@ -56,9 +56,9 @@ def simulate(
     """Motion of a pendulum at given times, by `diffrax.diffeqsolve`.
 
     With the package's `Rodas4` and `ReversalController`, which know dry friction. Works under
-    `jit`, `vmap`, `jvp` and `grad`, in the model's numbers and `y0` (not in the knots of a measured
-    drive). Derivatives are those of the steps taken; all numbers together cost a few runs. For many
-    pendulums at once `sweep` is faster, for derivatives and whether to trust them,
+    `jit`, `vmap`, `jvp` and `grad`, in the model's numbers, `y0` and `ts` (not in the knots of a
+    measured drive). Derivatives are those of the steps taken; all numbers together cost a few runs.
+    For many pendulums at once `sweep` is faster, for derivatives and whether to trust them,
     `sensitivities`.
 
     Args:
@@ -74,6 +74,10 @@ def simulate(
 
     Returns:
         A `Trajectory`. Angles as they are, without the sensors; see `readings`.
+
+    Raises:
+        ValueError: `ts` or `y0` has a wrong shape, or derivatives by `ts` are asked of a model
+            whose effects have states of their own.
 
     Example:
         >>> import numpy as np, tp_jax as tp
@@ -231,11 +235,35 @@ def _own(parts: Parts, max_steps: int) -> Callable:
         y, s = _of_one(derived)(jnp.stack(inputs), ts, tolerance)
         # the engine's columns begin with the initial state
         place = [i - n_p if i >= n_p else parts.n_states + numbers.index(i) for i in asked]
-        if not asked:
-            return y, jnp.zeros_like(y)
-        return y, s[..., np.array(place)] @ jnp.stack([tangents[0][i] for i in asked])
+        change = jnp.zeros_like(y)
+        if asked:
+            change += s[..., np.array(place)] @ jnp.stack([tangents[0][i] for i in asked])
+        if not isinstance(tangents[1], SymbolicZero):
+            change += _by_times(parts, inputs, ts, y, s[..., : parts.n_states], tangents[1])
+        return y, change
 
     return lambda inputs, ts, tolerance: run(tuple(inputs), ts, tolerance)
+
+
+def _by_times(parts: Parts, inputs, ts: Array, y: Array, by_start: Array, change: Array) -> Array:
+    """Change (n, 4) of the states where the times (n,) change; the state at the first stays.
+
+    A sample that comes later is further along the motion; a run that begins later is everywhere
+    where it would be if its start had been moved back along the motion.
+
+    Args:
+        inputs: numbers of the model, then the initial state.
+        y: states (n, 4). by_start: (n, 4, 4) their derivatives by the initial state.
+    """
+    if parts.n_states != 4:
+        raise ValueError(
+            "Derivatives by `ts` need a model without effects that have states of their own, but "
+            f"this one has {parts.n_states - 4} such states; leave `ts` out of what you "
+            "differentiate by."
+        )
+    model = parts.model_of(tuple(inputs[: len(parts.values)]))
+    rates = jnp.stack(jnp.broadcast_arrays(*model.derivative(ts, tuple(y.T))), axis=1)
+    return rates * change[:, None] - by_start @ (rates[0] * change[0])
 
 
 def _of_one(many: Callable, alone: Callable | None = None) -> Callable:
@@ -291,10 +319,17 @@ def _with_diffrax(parts: Parts, solver, max_steps: int) -> Callable:
     def run(inputs, ts, tolerance):
         return solve(inputs, ts, tolerance)
 
-    @run.defjvp
+    @functools.partial(run.defjvp, symbolic_zeros=True)
     def _(primals, tangents):
         inputs, ts, tolerance = primals
         forward = lambda x: solve(x, ts, tolerance)  # noqa: E731
-        return forward(inputs), jax.jacfwd(forward)(inputs) @ tangents[0]
+        y, jac = forward(inputs), jax.jacfwd(forward)(inputs)
+        change = jnp.zeros_like(y)
+        if not isinstance(tangents[0], SymbolicZero):
+            change += jac @ tangents[0]
+        if not isinstance(tangents[1], SymbolicZero):
+            by_start = jac[..., len(parts.values) :]
+            change += _by_times(parts, inputs, ts, y, by_start, tangents[1])
+        return y, change
 
     return run
