@@ -114,7 +114,7 @@ def drive_for(
 ) -> AbstractDrive:
     """A sine at `omega` [rad/s], a measured drive (readings at times t), or a motor at rest."""
     n = record["nuisances"]
-    if reading is not None:
+    if reading is not None and t is not None:
         c = CubicSpline(t, reading).c
         return PiecewiseCubicDrive(n["gain"], n["level"] - n["zero1"], t, c)
     if omega is None:

@@ -42,7 +42,7 @@ def packed(
     prior_weight = np.zeros((n // SHORTEST, 4, LANES))
     count = np.ones(LANES, dtype=int)
     for lane, mine, at in _lanes(which, places):
-        p, first = prepared[windows.recording[mine[0]]], windows.first[mine]
+        p, first = prepared[int(windows.recording[mine[0]])], windows.first[mine]
         source = _samples(first, windows.count[mine])
         size = source.size
         ts[:size, lane], ts[size:, lane] = p.t[source], p.t[source[-1]]
@@ -68,7 +68,7 @@ def packed_pieces(
     """Pieces (n - 1, 4, L) of the recordings' measured drives as a block has them."""
     pieces = np.zeros((capacity - 1, 4, LANES))
     for i, (_, lane, at, _) in zip(which, places, strict=True):
-        read, f, c = drives[windows.recording[i]], windows.first[i], windows.count[i]
+        read, f, c = drives[int(windows.recording[i])], windows.first[i], windows.count[i]
         if read is not None:
             pieces[at : at + c - 1, :, lane] = read[f : f + c - 1]
     return pieces

@@ -179,7 +179,7 @@ def absorb(s: Simplex, value: Float[Array, ""], box: Box, c: Coefficients) -> Si
     return after._replace(trial=trial)
 
 
-def converged(s: Simplex, xtol: float, ftol: float, rule: Rule) -> Bool[Array, ""]:
+def converged(s: Simplex, xtol: float | Array, ftol: float | Array, rule: Rule) -> Bool[Array, ""]:
     """Whether all vertices lie within xtol of the best, coordinate by coordinate, and all values
     within ftol of the best value: TolX and TolFun. `fminsearch` lets neither fall below ten
     spacings of floating point numbers."""

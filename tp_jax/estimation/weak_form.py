@@ -42,7 +42,7 @@ class WeakForm:
         factor = PRINTED_REACTION if setting.model == "paper" else NEWTON_REACTION
         known = setting.fixed | {n: v for n, (v, _) in setting.priors.items()}
         # by the printed model the rider's numbers are halves of Newton's
-        self.halved = dict.fromkeys(("B2", "Tv", "Ts1", "Tst"), factor)
+        self.halved: dict[str, float] = dict.fromkeys(("B2", "Tv", "Ts1", "Tst"), factor)
         self.given = {n: v * self.halved.get(n, 1.0) for n, v in known.items()}
 
     @functools.cached_property

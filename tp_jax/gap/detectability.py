@@ -17,7 +17,7 @@ def needed_noncentrality(q: int, tests: int) -> float:
     def short(noncentrality: float) -> float:
         return float(tails.noncentral_chi_square(critical, q, noncentrality)) - POWER
 
-    return float(optimize.brentq(short, 1e-3, 1e4))
+    return float(optimize.root_scalar(short, bracket=(1e-3, 1e4), method="brentq").root)
 
 
 def minimum_detectable(scored: Scored, tests: int, inflation: float) -> float | None:

@@ -126,7 +126,7 @@ class Colour:
             rest[0] -= theta * first[-1]
             band = np.ones((2, len(rest)))  # what is left is x_n + theta x_(n-1), lower triangular
             band[1] = theta
-            solved, _ = lapack.dtbtrs(band, rest.reshape(len(rest), -1), uplo="L")
+            solved, _ = lapack.dtbtrs(band, rest.reshape(len(rest), -1), uplo="L")  # pyright: ignore[reportAttributeAccessIssue]
             rest = solved.reshape(rest.shape)
         return np.moveaxis(np.concatenate([first, rest]), 0, axis)
 

@@ -36,7 +36,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     height = 1.0 + len(recordings) * (0.35 + 0.16 * len(names))
     figure = style.new_figure(style.WIDE, height, fitted=True)
     grid = figure.subplots(len(recordings), len(columns), squeeze=False)
-    image = None
+    image: Any = None
     for i, r in enumerate(recordings):
         t = np.array(r["t"])
         for c, axes in zip(columns, grid[i], strict=True):
