@@ -120,7 +120,9 @@ def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
 
 def _drive_noise(setting: Setting) -> float:
     """Noise of measured drives, of their amplitudes: the median; 0 without any."""
-    drives = [(r.t, r.drive) for r in setting.recordings if r.drive is not None]
+    drives = [
+        (r.t, r.drive) for r in setting.recordings if r.measured_drive and r.drive is not None
+    ]
     found = [noise_level(t, y) / (np.sqrt(2.0) * y.std()) for t, y in drives if np.ptp(y)]
     return float(np.median(found)) if found else 0.0
 
