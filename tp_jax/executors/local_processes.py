@@ -13,19 +13,14 @@ from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import Any
 
-from tp_jax.executors.workers import Workers
+from tp_jax.executors.workers import Workers, ended
 
 
 @contextmanager
 def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Executor]:
     """So many processes; where the block ends by an exception they are killed."""
-    executor = Workers(LocalProcess, workers, pieces_per_worker)
-    try:
+    with ended(Workers(LocalProcess, workers, pieces_per_worker)) as executor:
         yield executor
-    except BaseException:
-        executor.shutdown(cancel_futures=True)
-        raise
-    executor.shutdown()
 
 
 class LocalProcess:

@@ -12,6 +12,7 @@ from typing import Any
 
 from tp_jax.errors import InputError
 from tp_jax.executors.missing import missing
+from tp_jax.executors.workers import ended
 
 CLUSTER = "slurm"
 """Of submitit; its own `local` needs no cluster."""
@@ -46,13 +47,8 @@ def opened(workers: int, folder: Path | None = None) -> Iterator[Executor]:
             "it where `srun` and `sbatch` can be called."
         ) from fault
     jobs.update_parameters(name="tp-jax", timeout_min=MINUTES, cpus_per_task=1)
-    executor = SlurmJobs(jobs, workers)
-    try:
+    with ended(SlurmJobs(jobs, workers)) as executor:
         yield executor
-    except BaseException:
-        executor.shutdown(cancel_futures=True)
-        raise
-    executor.shutdown()
 
 
 class SlurmJobs(Executor):

@@ -4,10 +4,22 @@
 its own, so that its death costs one piece, which the seam submits again.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
+from contextlib import contextmanager
 from threading import Lock
 from typing import Any, Protocol
+
+
+@contextmanager
+def ended(executor: Executor) -> Iterator[Executor]:
+    """The executor; its work is waited for, or given up where the block ends by an exception."""
+    try:
+        yield executor
+    except BaseException:
+        executor.shutdown(cancel_futures=True)
+        raise
+    executor.shutdown()
 
 
 class Worker(Protocol):
