@@ -43,8 +43,8 @@ SMALL_LOOP = 16_000_000
 
 COLLECT_AFTER = (100_000, 20, 100)
 """Objects made since the last look for unreachable ones, and looks by generation (Python's own:
-700, 10, 10). Tracing a program makes millions that stay: some three hundredths of a diagnosis' CPU
-time, by samples of a profile, went into looking through them. Most memory is freed without a look."""
+700, 10, 10). Tracing a program makes millions that stay: by samples of a profile some three
+hundredths of a diagnosis' CPU time went into looks. Most memory is freed without one."""
 
 CACHED_ABOVE = 0.3
 """Seconds of compilation from which on a program is kept in the persistent cache."""
