@@ -18,7 +18,8 @@ def one_blas_thread() -> Iterator[None]:
 
     The package's matrices have at most a few hundred rows. With several threads OpenBLAS is no
     faster at these, and its threads spin for a while after each product, waiting for the next: an
-    eighth to a fifth of a diagnosis' CPU time with two threads. Holds for the whole process; what was set before is restored.
+    eighth to a fifth of a diagnosis' CPU time with two threads. Holds for the whole process; what
+    was set before is restored.
     """
     with threadpool_limits(limits=1, user_api="blas"):
         yield
