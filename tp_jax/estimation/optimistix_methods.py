@@ -130,9 +130,6 @@ def fit(
     specs = [parameter(problem, u) for u in unknowns]
     given = bounds or {}
     limits = np.array([given.get(s.name, (s.lower, s.upper)) for s in specs]).reshape(-1, 2)
-    to = lambda x: np.array(  # noqa: E731
-        [float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)]
-    )
     # The windows of another horizon have states that fit neither the unknowns nor each other. A
     # step of all together brings them near; settled before it, many end in minima of their own.
     begun = variable_projection.fit(
@@ -140,14 +137,16 @@ def fit(
         tolerance=tolerance, relative=relative, loss=loss, kinks=True,
     )  # fmt: skip
     settled = np.array_equal(begun.values.table, values.table)  # no step was to be had otherwise
-    values, states, lin, passes = begun.values, begun.states, begun.linearisation, begun.evaluations
+    values, at, lin = begun.values, begun.states, begun.linearisation
+    passes: float = begun.evaluations
     floor = np.array([1e-300 if s.transform == "log" else -np.inf for s in specs])
-    low, high = (to(np.maximum(end, floor)) for end in limits.T)
+    low = _coordinates(specs, np.maximum(limits[:, 0], floor))
+    high = _coordinates(specs, np.maximum(limits[:, 1], floor))
     slots = columns(unknowns)
-    u = to(np.maximum(values.pick(unknowns), floor))
+    u = _coordinates(specs, np.maximum(values.pick(unknowns), floor))
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
-    cost = lin.cost() + _prior(u, unknowns, anchors)
-    to_bounds = True
+    cost: float = lin.cost() + _prior(u, unknowns, anchors)
+    to_bounds: bool = True
     converged, message = False, "The limit of runs was reached."
     if not np.isfinite(cost):
         message = "The start could not be integrated."
@@ -163,22 +162,21 @@ def fit(
             g[i] += (u[i] - a.centre) / a.sd**2
             H[i, i] += 1.0 / a.sd**2
         # A wrong model scatters its optimum by as much more, as in `variable_projection`.
-        unit = max(cost / dof, 1.0)
-        enough = max(tolerance, NOTHING * unit, relative * cost)
+        unit: float = max(cost / dof, 1.0)
+        enough: float = max(tolerance, NOTHING * unit, relative * cost)
         if run and bounded_step(g, H, low - u, high - u, 0.0).promise < enough:
             converged, message = True, "Another run of the method would gain nothing."
             break
         needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
-        begin = states + elim.state_step
+        begin = at + elim.state_step
         windows = window_residuals(
             problem, values, begin, elim.state_gain, unknowns, specs, anchors, blocks=needed,
             loss=loss, enough=SETTLED * unit,
         )  # fmt: skip
         method = _ending(solver, enough / unit, len(unknowns)) if ends else solver
         scaled, moved = _scaled(windows, u, (low, high), g, H, unit, to_bounds=to_bounds)
-        best, spent = _search(method, evaluations, scaled)
-        passes += float(spent)
-        new_u = np.clip(np.asarray(best), low, high)
+        new_u, spent = _run(method, evaluations, scaled, (low, high))
+        passes += spent
         if not np.isfinite(new_u).all():
             message = "The method left the region that can be integrated."
             break
@@ -191,20 +189,20 @@ def fit(
             new_states, passes = found.states, passes + found.passes
         new_cost = new_lin.cost() + _prior(new_u, unknowns, anchors)
         log.debug("%s: run %d cost %.8g -> %.8g, %d evaluations",
-                  type(solver).__name__, run, cost, new_cost, int(spent))  # fmt: skip
+                  type(solver).__name__, run, cost, new_cost, spent)  # fmt: skip
         if not new_cost < cost and moved:  # what went to a bound should have stayed where it was
             to_bounds = False
             continue
         if not new_cost < cost and not settled:
-            found = settle(problem, values, states, lin, slots, loss=loss, kinks=True)
-            states, passes, settled = found.states, passes + found.passes, True
+            found = settle(problem, values, at, lin, slots, loss=loss, kinks=True)
+            at, passes, settled = found.states, passes + found.passes, True
             cost = lin.cost() + _prior(u, unknowns, anchors)
             continue
         if not new_cost < cost:
             converged, message = run > 0, "Another run of the method gained nothing."
             break
         gained = cost - new_cost
-        u, values, states, lin, cost = new_u, new_values, new_states, new_lin, new_cost
+        u, values, at, lin, cost = new_u, new_values, new_states, new_lin, new_cost
         settled = to_bounds = True
         if gained < enough:
             converged, message = True, "The last run of the method gained nothing."
@@ -214,7 +212,7 @@ def fit(
     near = 1e-3 * np.array([s.typical if s.transform == "identity" else 0.0 for s in specs])
     at_bound = (x <= limits[:, 0] + near) | (x >= limits[:, 1] - near)
     return Fit(
-        problem, values, states, unknowns, cost, elim, lin, at_bound, converged,
+        problem, values, at, unknowns, cost, elim, lin, at_bound, converged,
         math.ceil(passes), message, tuple(anchors),
     )  # fmt: skip
 
@@ -256,6 +254,14 @@ def _scaled(
     return scaled, moved
 
 
+def _run(
+    solver: Solver, evaluations: int, scaled: _Scaled, box: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, int]:
+    """One run of a method; coordinates u within the box where it ended, evaluations spent."""
+    best, spent = _search(solver, evaluations, scaled)
+    return np.clip(np.asarray(best), *box), int(spent)
+
+
 @eqx.filter_jit
 def _search(
     solver: Solver, evaluations: int, scaled: _Scaled
@@ -280,6 +286,10 @@ def _search(
     else:
         done = optx.least_squares(residuals, solver, z0, scaled, **options)
     return scaled.unknowns(done.value), done.stats["num_steps"]
+
+
+def _coordinates(specs, x: np.ndarray) -> np.ndarray:
+    return np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
 
 
 def _values(specs, u: np.ndarray, limits: np.ndarray) -> np.ndarray:

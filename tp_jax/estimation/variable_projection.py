@@ -73,11 +73,13 @@ def fit(
     slots = columns(unknowns)
     x = np.clip(values.pick(unknowns), *limits.T)
     values = values.put(unknowns, x)
-    states = problem.initial_states(values) if states is None else states
-    lin = robust(problem.linearise(values, states, slots), loss)
-    passes = 1.0
-    cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
-    damping, of_states, settled = 1e-4, None, False
+    at: np.ndarray = problem.initial_states(values) if states is None else states
+    lin = robust(problem.linearise(values, at, slots), loss)
+    passes: float = 1.0
+    cost: float = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
+    damping: float = 1e-4
+    of_states: np.ndarray | None = None
+    settled: bool = False
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
 
     def put_right(values: Values, states: np.ndarray, lin: Linearisation, tolerance: float) -> None:
@@ -97,8 +99,8 @@ def fit(
             break
         u = np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
         slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
-        own, promised = state_steps(lin, np.zeros(problem.windows.n))
-        kinked = promised >= KINK if kinks and settled else None
+        own, gains = state_steps(lin, np.zeros(problem.windows.n))
+        kinked = gains >= KINK if kinks and settled else None
         elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
         for a in anchors:
@@ -112,26 +114,23 @@ def fit(
         enough = max(tolerance, NOTHING * unit, relative * cost)
         promise = bounded_step(g, H, *box, 0.0).promise
         if not settled:
-            if promise < enough <= promise + promised.sum():
-                put_right(values, states, lin, SETTLED * unit)
+            if promise < enough <= promise + gains.sum():
+                put_right(values, at, lin, SETTLED * unit)
                 cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
                 settled = True
                 continue
-            own, promised = np.clip(own, -MAX_STATE_STEP, MAX_STATE_STEP), float(promised.sum())
+            own, promised = np.clip(own, -MAX_STATE_STEP, MAX_STATE_STEP), float(gains.sum())
         else:  # what is left after settling is rounding, or a kink that a step would not see
-            own, promised = np.where(promised[:, None] < KINK, own, 0.0), 0.0
+            own, promised = np.where(gains[:, None] < KINK, own, 0.0), 0.0
         if promise + promised < enough:
             converged, message = True, "The next step would gain nothing."
             break
         accepted = refused = again = False
         while not accepted:
             step = bounded_step(g, H, *box, damping)
-            new_x = np.array(
-                [float(s.from_coordinate(v)) for s, v in zip(specs, u + step.du, strict=True)]
-            )
-            new_x = _within(new_x, limits)
+            new_x = _within(_values(specs, u + step.du), limits)
             new_values = values.put(unknowns, new_x)
-            new_states = states + own + np.einsum("wxu,u->wx", elim.state_gain, step.du)
+            new_states = at + own + np.einsum("wxu,u->wx", elim.state_gain, step.du)
             new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
             passes += 1.0
             prior = _anchor_cost(specs, unknowns, new_x, anchors)
@@ -147,7 +146,7 @@ def fit(
                 "projected: %d cost %.8g -> %.8g gain %.2f damping %.0e passes %.2f",
                 iteration, cost, new_cost, gain, damping, passes,
             )  # fmt: skip
-            accepted = new_cost < cost
+            accepted = bool(new_cost < cost)
             if accepted:
                 if gain < 0.3:
                     damping *= 3.0
@@ -160,7 +159,7 @@ def fit(
                 break
             elif kinks and not settled:
                 # The states' own steps may be to blame: a kink keeps none of them.
-                put_right(values, states, lin, SETTLED * unit)
+                put_right(values, at, lin, SETTLED * unit)
                 cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
                 settled = again = True
                 break
@@ -171,7 +170,7 @@ def fit(
         if not accepted:
             break
         small = cost - new_cost < enough and damping < 1.0
-        x, values, states, lin, cost = new_x, new_values, new_states, new_lin, new_cost
+        x, values, at, lin, cost = new_x, new_values, new_states, new_lin, new_cost
         settled = new_settled
         if small:
             converged, message = True, "The last step gained nothing."
@@ -179,7 +178,7 @@ def fit(
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
     at_bound = (x <= limits[:, 0]) | (x >= limits[:, 1])
     return Fit(
-        problem, values, states, unknowns, cost, elim, lin, at_bound, converged,
+        problem, values, at, unknowns, cost, elim, lin, at_bound, converged,
         math.ceil(passes), message, tuple(anchors),
     )  # fmt: skip
 
@@ -198,6 +197,10 @@ def _anchor_cost(
     places = [unknowns.index(a.unknown) for a in anchors]
     u = [float(specs[i].to_coordinate(x[i])) for i in places]
     return sum(((c - a.centre) / a.sd) ** 2 for c, a in zip(u, anchors, strict=True))
+
+
+def _values(specs: Sequence[Parameter], u: np.ndarray) -> np.ndarray:
+    return np.array([float(s.from_coordinate(v)) for s, v in zip(specs, u, strict=True)])
 
 
 def _coordinate(spec: Parameter, value: float) -> float:
