@@ -12,8 +12,19 @@ from hypothesis import settings
 # as the command line does, and like it before equinox is imported
 os.environ.setdefault("EQX_ON_ERROR", "nan")
 
-from tp_jax import _cache
-from tp_jax._config import CACHED_ABOVE, cache_folder, compile_small_loops, use_float64
+# Linear algebra in one thread, as in a diagnosis (see tp_jax._blas), in all processes that tests
+# start. Tests call a diagnosis' parts alone, and threads of two workers would spin on two cores:
+# `free_structure` took eight times the CPU time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from tp_jax import _blas, _cache
+from tp_jax._config import (
+    CACHED_ABOVE,
+    cache_folder,
+    collect_less,
+    compile_small_loops,
+    use_float64,
+)
 
 # What one process of a test run has traced and compiled the others need not: its workers,
 # notebooks' kernels and examples' interpreters inherit this. It is a folder of this run alone, so
@@ -35,6 +46,8 @@ if "TP_JAX_TESTS_KEPT" not in os.environ:
 
 compile_small_loops()
 use_float64()
+collect_less()  # as the command line does
+_blas.threadpool_limits(limits=1, user_api="blas")  # this process: numpy is loaded already
 
 ROOT = Path(__file__).parent.parent
 
