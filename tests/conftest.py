@@ -18,13 +18,7 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from tp_jax import _blas, _cache
-from tp_jax._config import (
-    CACHED_ABOVE,
-    cache_folder,
-    collect_less,
-    compile_small_loops,
-    use_float64,
-)
+from tp_jax._config import cache_folder, collect_less, compile_small_loops, use_float64
 
 # What one process of a test run has traced and compiled the others need not: its workers,
 # notebooks' kernels and examples' interpreters inherit this. It is a folder of this run alone, so
@@ -35,7 +29,8 @@ if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
     os.environ["XDG_CACHE_HOME"] = CACHE
     _cache.made(cache_folder())
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(cache_folder())
-    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", str(CACHED_ABOVE))
+    # small programs too: tests compile tens of thousands, and to load one takes a fifth of that
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
     os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "0")
 
 # Nor need two processes find the same diagnosis (see tests/kept.py); one of an earlier run, and of
