@@ -135,7 +135,9 @@ def inside_functions(path: Path, text: str) -> list[str]:
         allowed += ["tp_jax", "numpy"]
     said = []
     for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and any(
+            isinstance(within, ast.Import | ast.ImportFrom) for within in ast.walk(node)
+        ):
             for module in imported(path, ast.unparse(node)):
                 name = ".".join(module)
                 if not any(name == each or name.startswith(f"{each}.") for each in allowed):
