@@ -220,6 +220,41 @@ class ExplorePolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class SharedPolicy:
+    """When an effect counts as shared by the rigs of a fleet.
+
+    Attributes:
+        level: probability of naming any effect of the catalogue where no rig has one. A fifth of
+            that for a single rig, since a fleet is asked once and all its rigs are mended by it;
+            twelve rigs with half the detectable size are ten times as far from chance.
+        rigs: that an effect must apply to, and a fleet must have: of two that differ nobody knows
+            which is usual.
+        differ: level at which rigs are said to differ in an amplitude, and
+        spread: standard deviation of their amplitudes, over the pooled one, from which that
+            matters: with less, nearly all rigs have the effect with the same sign. Large effects
+            are known so well that their linearisation alone makes them differ.
+        kept: part of the reduction that is left without the rig that contributes most, if the
+            effect does not pass without it; of three equal rigs two thirds are left.
+        least: part of the largest reduction below which nothing further is named: linearisations
+            of an effect are not good to a twentieth.
+        near: -log p [nat] by which an effect is at most further from chance than another, for both
+            not to be told apart; odds of nineteen to one.
+        most: effects that are named of one fleet; more are beyond a linearisation at none of them.
+        draws: of scores of noise alone; a p of `level` has a standard error of a fifth of it.
+    """
+
+    level: float = 0.01
+    rigs: int = 3
+    differ: float = 0.01
+    spread: float = 0.5
+    kept: float = 0.5
+    least: float = 0.05
+    near: float = 3.0
+    most: int = 6
+    draws: int = 2000
+
+
+@dataclasses.dataclass(frozen=True)
 class Policy:
     """All of them."""
 
@@ -231,6 +266,7 @@ class Policy:
     noise: NoisePolicy = NoisePolicy()
     horizon: HorizonPolicy = HorizonPolicy()
     explore: ExplorePolicy = ExplorePolicy()
+    shared: SharedPolicy = SharedPolicy()
 
 
 POLICY = Policy()

@@ -1,0 +1,141 @@
+"""Fleets by chance: scores drawn as noise and an effect would give them, to the rigs that were seen.
+
+The scores of a rig are normal about -V a, of covariance V: V the information of its screen, a the
+amplitudes of the effect that all rigs of the fleet share.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from tp_jax.gap.detectability import FAMILY_WISE, TIED, needed_noncentrality
+from tp_jax.gap.shared.pooling import cosine, pool
+from tp_jax.gap.shared.scores import Key, RigScores
+from tp_jax.gap.shared.selection import KIND, shared_effects
+
+SEED = 46
+"""Of the draws."""
+
+DRAWS = 10
+"""Fleets with each effect, and fleets with nothing."""
+
+PART = 0.5
+"""Of the size that half of the rigs would detect alone."""
+
+MOST_TIED = 3
+"""Members of a group of effects that cannot be told apart, up to which naming one is right."""
+
+EFFECTS = (
+    "bearing_drag", "bearing_stribeck", "column_tilt", "contact_asymmetry", "contact_stribeck",
+    "drive_harmonics", "sensor1_eccentricity", "spring_asymmetry", "spring_hardening",
+)  # fmt: skip
+"""That are drawn: of all places, each with amplitudes for the whole rig."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Drawn:
+    """A fleet.
+
+    Attributes:
+        effect: that its rigs share; "" for none.
+        first: the effect that is named first as the kind's; "" for none. right: whether that is
+            the shared one or one of a small group that cannot be told from it.
+        named: all effects that are named, as the kind's or as a rig's own.
+        alone: how many of the rigs show the shared effect alone, as the most likely of all and
+            beyond chance; rigs: of how many. Of a fleet without one: any effect.
+    """
+
+    effect: str
+    first: str
+    right: bool
+    named: tuple[str, ...]
+    alone: int
+    rigs: int
+
+
+def drawn_fleets(rigs: Sequence[RigScores]) -> list[Drawn]:
+    """Fleets with each of the effects that the rigs can show, and as many with none."""
+    found = []
+    for effect in ("", *EFFECTS):
+        for number in range(DRAWS):
+            fleet = drawn_fleet(rigs, effect, number)
+            if fleet is not None:
+                found.append(judged(fleet, effect, number))
+    return found
+
+
+def drawn_fleet(rigs: Sequence[RigScores], effect: str, number: int) -> list[RigScores] | None:
+    """The rigs with other chance; None where no rig can show the effect.
+
+    Args:
+        rigs: whose information is taken. effect: that they share. number: of the draw.
+    """
+    rng = np.random.default_rng([SEED, number, *effect.encode()])
+    keys = sorted({v.key for rig in rigs for v in rig.variants if v.effect == effect})
+    if effect and not keys:
+        return None
+    key = keys[int(rng.integers(len(keys)))] if effect else None
+    amplitudes = None if key is None else half_detectable(rigs, key, rng)
+    fleet = []
+    for rig in rigs:
+        value, vector = np.linalg.eigh(_unit(rig.information))
+        scale = np.sqrt(np.maximum(np.diag(rig.information), 0.0))
+        root = scale[:, None] * vector * np.sqrt(np.maximum(value, 0.0))
+        score = root @ rng.standard_normal(len(scale))
+        if key in rig.by_key:
+            score = score - rig.information[:, rig.by_key[key].columns] @ amplitudes
+        variants = tuple(dataclasses.replace(v, dispersion=1.0) for v in rig.variants)
+        fleet.append(
+            dataclasses.replace(rig, variants=variants, score=score, noise=rig.information, own=())
+        )
+    return fleet
+
+
+def half_detectable(rigs: Sequence[RigScores], key: Key, rng: np.random.Generator) -> np.ndarray:
+    """Amplitudes (q,) in a direction by chance, half as large as half of the rigs detect alone."""
+    mine = [rig for rig in rigs if key in rig.by_key]
+    tests = len({v.effect for v in mine[0].variants})
+    every = [rig.information[(c := rig.by_key[key].columns), c] for rig in mine]
+    size = np.sqrt(np.mean([np.diag(V) for V in every], axis=0))
+    direction = rng.standard_normal(len(size)) / size
+    limits = np.stack([rig.limits[rig.by_key[key].columns] for rig in mine])
+    low, high = limits[:, :, 0].max(axis=0), limits[:, :, 1].min(axis=0)
+    direction = np.where(low == 0.0, abs(direction), np.where(high == 0.0, -abs(direction),
+                                                              direction))  # fmt: skip
+    known = np.median([direction @ V @ direction for V in every])
+    return PART * np.sqrt(needed_noncentrality(len(size), tests) / known) * direction
+
+
+def judged(fleet: Sequence[RigScores], effect: str, number: int) -> Drawn:
+    """What the fleet names, and its rigs alone."""
+    found = shared_effects(fleet, seed=number)
+    kinds = [each for each in found.effects if each.verdict == KIND]
+    first = kinds[0].pooled.key[0] if kinds else ""
+    tied = set(kinds[0].tied) if kinds else set()
+    right = first == effect or (effect in tied and len(tied) < MOST_TIED)
+    named = tuple(each.pooled.key[0] for each in found.effects)
+    alone = sum(shown_alone(rig, effect) for rig in fleet)
+    return Drawn(effect, first, right, named, alone, len(fleet))
+
+
+def shown_alone(rig: RigScores, effect: str) -> bool:
+    """Whether a rig alone shows the effect (any, if it is ""): the best of all, beyond chance."""
+    best: dict[str, tuple[float, Key]] = {}
+    for v in rig.variants:
+        pooled = pool([rig], v.key)
+        best[v.effect] = max(best.get(v.effect, (-np.inf, v.key)), (pooled.statistic, v.key))
+    first = max(best, key=lambda id: best[id][0])
+    statistic, key = best[first]
+    if statistic < -np.log(FAMILY_WISE / len(best)):
+        return False
+    if effect in ("", first):
+        return True
+    return effect in best and cosine([rig], key, best[effect][1]) > TIED
+
+
+def _unit(V: np.ndarray) -> np.ndarray:
+    """As correlations: effects in units of their own differ by many powers of ten."""
+    scale = np.sqrt(np.maximum(np.diag(V), 0.0))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    return V / np.outer(scale, scale)
