@@ -1,4 +1,4 @@
-"""Fleets by chance: scores drawn as noise and an effect would give them, to the rigs that were seen.
+"""Fleets by chance: scores as noise and an effect would give them to the rigs that were seen.
 
 The scores of a rig are normal about -V a, of covariance V: V the information of its screen, a the
 amplitudes of the effect that all rigs of the fleet share.

@@ -63,7 +63,7 @@ def file_of(folder: Path, fleet: int, rig: int) -> Path:
 
 
 def shared_effect(fleet: int) -> tuple[str, tuple[float, ...], dict[str, float]]:
-    """What a fleet shares: effect, sizes and shape constants; "" and nothing where it is nothing."""
+    """What a fleet shares: effect, sizes and shape constants; "" where it is nothing."""
     effect = FLEETS[fleet - 1]
     if effect is None:
         return "", (), {}

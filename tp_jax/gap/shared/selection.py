@@ -29,8 +29,9 @@ class SharedEffect:
 
     Attributes:
         pooled: over all rigs. verdict: KIND or OWN. p: family-wise, of the whole catalogue.
-        agreement: of the rigs; differ: whether they do not agree. largest: the rig that contributes most; without: the effect over
-            the others, and p_without its p.
+        agreement: of the rigs. differ: whether they do not agree.
+        largest: the rig that contributes most. without: the effect over the others; p_without: p
+            of that.
         showing: rigs that show it alone, at the family-wise level over the rigs.
         tied: effects that the fleet cannot tell from it.
     """
