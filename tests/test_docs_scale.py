@@ -43,7 +43,7 @@ def test_its_commands_can_be_typed():
         words = shlex.split(line, comments=True)
         argv = words[words.index("tp-jax") + 1 :]
         assert build_parser().parse_args(argv).campaign
-    assert len(lines) == 5
+    assert len(lines) == 7
 
 
 def test_it_has_a_row_for_each_executor():

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax import _tails as tails
+from tp_jax._blas import one_blas_thread
 from tp_jax.gap.detectability import TIED
 from tp_jax.gap.policy import POLICY, SharedPolicy
 from tp_jax.gap.screen import pseudo_inverse
@@ -64,6 +65,7 @@ class Shared:
     candidates: tuple[Candidate, ...]
 
 
+@one_blas_thread()
 def shared_effects(
     rigs: Sequence[RigScores], seed: int = 0, policy: SharedPolicy = POLICY.shared
 ) -> Shared:
