@@ -8,7 +8,7 @@ import pytest
 
 from scripts._shared_trial import draws, told
 from scripts._shared_trial.__main__ import main
-from scripts._shared_trial.draws import drawn_fleet, half_detectable, judged
+from scripts._shared_trial.draws import NOTHING, OWN, drawn_fleet, half_detectable, judged
 from scripts._shared_trial.rigs import FLEETS, RIGS, file_of
 from tests.shared_rigs import fleet, scores_of
 from tp_jax.gap.shared.scores import write
@@ -30,7 +30,7 @@ def test_drawn_scores_are_those_of_the_effect(rigs):
     every = [drawn_fleet(rigs, "b", n) for n in range(300)]
     scores = np.array([one[2].score for one in every])
     V = rigs[2].information
-    plain = np.array([drawn_fleet(rigs, "", n)[2].score for n in range(300)])
+    plain = np.array([drawn_fleet(rigs, NOTHING, n)[2].score for n in range(300)])
     np.testing.assert_allclose(np.cov(plain.T), V, atol=0.35 * V.max())
     size = np.abs((scores @ np.linalg.inv(V))[:, 1])
     assert size.mean() > 1.5 * np.abs((plain @ np.linalg.inv(V))[:, 1]).mean()
@@ -41,8 +41,11 @@ def test_fleets_are_judged(rigs):
     some = [judged(drawn_fleet(rigs, "b", n), "b", n) for n in range(5)]
     assert sum(one.right for one in some) >= 4
     assert sum(one.alone for one in some) < 40
-    nothing = [judged(drawn_fleet(rigs, "", n), "", n) for n in range(5)]
-    assert [one.named for one in nothing] == [()] * 5
+    nothing = [judged(drawn_fleet(rigs, NOTHING, n), NOTHING, n) for n in range(5)]
+    assert all(one.right and not one.named for one in nothing)
+    own = [judged(drawn_fleet(rigs, OWN, n), OWN, n) for n in range(5)]
+    assert sum(one.right for one in own) >= 4
+    assert sum(one.alone for one in own) > 25
 
 
 @pytest.fixture

@@ -32,16 +32,23 @@ EFFECTS = (
 )  # fmt: skip
 """That are drawn: of all places, each with amplitudes for the whole rig."""
 
+NOTHING, OWN = "nothing", "each rig an effect of its own"
+"""What else a fleet may have."""
+
+MULTIPLES = (1.0, 5.0)
+"""Times the detectable size that a rig's own effect has, uniform in the logarithm."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Drawn:
     """A fleet.
 
     Attributes:
-        effect: that its rigs share; "" for none.
+        effect: that its rigs share, NOTHING or OWN.
         first: the effect that is named first as the kind's; "" for none. right: whether that is
             the shared one or one of a small group that cannot be told from it.
         named: all effects that are named, as the kind's or as a rig's own.
+        own: those of them that are a rig's own.
         alone: how many of the rigs show the shared effect alone, as the most likely of all and
             beyond chance; rigs: of how many. Of a fleet without one: any effect.
     """
@@ -50,14 +57,15 @@ class Drawn:
     first: str
     right: bool
     named: tuple[str, ...]
+    own: tuple[str, ...]
     alone: int
     rigs: int
 
 
 def drawn_fleets(rigs: Sequence[RigScores]) -> list[Drawn]:
-    """Fleets with each of the effects that the rigs can show, and as many with none."""
+    """Fleets with each of the effects that the rigs can show, and as many without a shared one."""
     found = []
-    for effect in ("", *EFFECTS):
+    for effect in (NOTHING, OWN, *EFFECTS):
         for number in range(DRAWS):
             fleet = drawn_fleet(rigs, effect, number)
             if fleet is not None:
@@ -69,27 +77,48 @@ def drawn_fleet(rigs: Sequence[RigScores], effect: str, number: int) -> list[Rig
     """The rigs with other chance; None where no rig can show the effect.
 
     Args:
-        rigs: whose information is taken. effect: that they share. number: of the draw.
+        rigs: whose information is taken. effect: that they share, NOTHING or OWN. number: of the
+            draw.
     """
     rng = np.random.default_rng([SEED, number, *effect.encode()])
-    keys = sorted({v.key for rig in rigs for v in rig.variants if v.effect == effect})
-    if effect and not keys:
-        return None
-    key = keys[int(rng.integers(len(keys)))] if effect else None
-    amplitudes = None if key is None else half_detectable(rigs, key, rng)
-    fleet = []
-    for rig in rigs:
-        value, vector = np.linalg.eigh(_unit(rig.information))
-        scale = np.sqrt(np.maximum(np.diag(rig.information), 0.0))
-        root = scale[:, None] * vector * np.sqrt(np.maximum(value, 0.0))
-        score = root @ rng.standard_normal(len(scale))
-        if key in rig.by_key:
-            score = score - rig.information[:, rig.by_key[key].columns] @ amplitudes
-        variants = tuple(dataclasses.replace(v, dispersion=1.0) for v in rig.variants)
-        fleet.append(
-            dataclasses.replace(rig, variants=variants, score=score, noise=rig.information, own=())
-        )
-    return fleet
+    hidden: list[tuple[Key, np.ndarray] | None] = [None] * len(rigs)
+    if effect == OWN:
+        hidden = [_own(rig, rng) for rig in rigs]
+    elif effect != NOTHING:
+        keys = sorted({v.key for rig in rigs for v in rig.variants if v.effect == effect})
+        if not keys:
+            return None
+        key = keys[int(rng.integers(len(keys)))]
+        amplitudes = half_detectable(rigs, key, rng)
+        hidden = [(key, amplitudes) if key in rig.by_key else None for rig in rigs]
+    return [_with_scores(rig, each, rng) for rig, each in zip(rigs, hidden, strict=True)]
+
+
+def _own(rig: RigScores, rng: np.random.Generator) -> tuple[Key, np.ndarray]:
+    """Any effect that a rig can show, well beyond the detectable size."""
+    ids = sorted(
+        {v.effect for v in rig.variants if np.trace(rig.information[v.columns, v.columns])}
+    )
+    id = ids[int(rng.integers(len(ids)))]
+    keys = [v.key for v in rig.variants if v.effect == id]
+    key = keys[int(rng.integers(len(keys)))]
+    multiple = MULTIPLES[0] * (MULTIPLES[1] / MULTIPLES[0]) ** rng.random()
+    return key, multiple / PART * half_detectable([rig], key, rng)
+
+
+def _with_scores(
+    rig: RigScores, hidden: tuple[Key, np.ndarray] | None, rng: np.random.Generator
+) -> RigScores:
+    """The rig with scores of noise and of what is hidden."""
+    value, vector = np.linalg.eigh(_unit(rig.information))
+    scale = np.sqrt(np.maximum(np.diag(rig.information), 0.0))
+    root = scale[:, None] * vector * np.sqrt(np.maximum(value, 0.0))
+    score = root @ rng.standard_normal(len(scale))
+    if hidden is not None:
+        key, amplitudes = hidden
+        score = score - rig.information[:, rig.by_key[key].columns] @ amplitudes
+    variants = tuple(dataclasses.replace(v, dispersion=1.0) for v in rig.variants)
+    return dataclasses.replace(rig, variants=variants, score=score, noise=rig.information, own=())
 
 
 def half_detectable(rigs: Sequence[RigScores], key: Key, rng: np.random.Generator) -> np.ndarray:
@@ -115,12 +144,15 @@ def judged(fleet: Sequence[RigScores], effect: str, number: int) -> Drawn:
     tied = set(kinds[0].tied) if kinds else set()
     right = first == effect or (effect in tied and len(tied) < MOST_TIED)
     named = tuple(each.pooled.key[0] for each in found.effects)
+    own = tuple(each.pooled.key[0] for each in found.effects if each.verdict != KIND)
+    if effect in (NOTHING, OWN):
+        right = not kinds if effect == OWN else not named
     alone = sum(shown_alone(rig, effect) for rig in fleet)
-    return Drawn(effect, first, right, named, alone, len(fleet))
+    return Drawn(effect, first, right, named, own, alone, len(fleet))
 
 
 def shown_alone(rig: RigScores, effect: str) -> bool:
-    """Whether a rig alone shows the effect (any, if it is ""): the best of all, beyond chance."""
+    """Whether a rig alone shows the effect (any, where none is shared), first and beyond chance."""
     best: dict[str, tuple[float, Key]] = {}
     for v in rig.variants:
         pooled = pool([rig], v.key)
@@ -129,7 +161,7 @@ def shown_alone(rig: RigScores, effect: str) -> bool:
     statistic, key = best[first]
     if statistic < -np.log(FAMILY_WISE / len(best)):
         return False
-    if effect in ("", first):
+    if effect in (NOTHING, OWN, first):
         return True
     return effect in best and cosine([rig], key, best[effect][1]) > TIED
 

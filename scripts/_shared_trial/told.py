@@ -6,7 +6,7 @@ from typing import Any
 
 from scripts import _markdown as markdown
 from scripts._ledger import entries
-from scripts._shared_trial.draws import EFFECTS, MOST_TIED, Drawn, drawn_fleets
+from scripts._shared_trial.draws import EFFECTS, MOST_TIED, NOTHING, OWN, Drawn, drawn_fleets
 from scripts._shared_trial.draws import SEED as SEED_OF_DRAWS
 from scripts._shared_trial.rigs import FLEETS, RIGS, file_of
 from tp_jax._files import bytes_of, replaced
@@ -84,22 +84,18 @@ def share(said: Iterable[bool]) -> str:
 def _of_draws(drawn: Sequence[Drawn]) -> str:
     heads = ("the rigs share", "right", "named first as the kind's", "shown by a rig alone")
     rows = []
-    for effect in ("", *EFFECTS):
+    for effect in (NOTHING, OWN, *EFFECTS):
         mine = [each for each in drawn if each.effect == effect]
-        if not mine:
-            continue
-        rows.append((
-            f"`{effect}`" if effect else "nothing", share(_right(each) for each in mine),
-            _named(mine), share(_alone(mine)),
-        ))  # fmt: skip
-    some = [each for each in drawn if each.effect]
-    rows.append(("any effect", share(_right(each) for each in some), "", share(_alone(some))))
+        if mine:
+            shares = share(each.right for each in mine), _named(mine), share(_alone(mine))
+            rows.append((_shared(effect), *shares))
+    some = [each for each in drawn if each.effect not in (NOTHING, OWN)]
+    rows.append(("any effect", share(each.right for each in some), "", share(_alone(some))))
     return markdown.table(heads, rows)
 
 
-def _right(drawn: Drawn) -> bool:
-    """Of a fleet without an effect: that nothing is named."""
-    return drawn.right if drawn.effect else not drawn.named
+def _shared(effect: str) -> str:
+    return {NOTHING: NOTHING, OWN: f"nothing; {OWN}"}.get(effect, f"`{effect}`")
 
 
 def _named(drawn: Sequence[Drawn]) -> str:
