@@ -13,6 +13,8 @@ from scripts._shared_trial.rigs import FLEETS, RIGS, file_of
 from tests.shared_rigs import fleet, scores_of
 from tp_jax.gap.shared.scores import write
 
+BEGIN, END = "<!-- shared_trial: begin -->", "<!-- shared_trial: end -->"
+
 
 @pytest.fixture(scope="module")
 def rigs():
@@ -65,7 +67,7 @@ def study(tmp_path, monkeypatch):
         write(file_of(screens, 1, i + 1), dataclasses.replace(scores, rig=f"rig-{i + 1}"))
         lines.append(json.dumps({**row, "fleet": 1, "rig": i + 1, "multiple": 0.4 + 0.02 * i}))
     (tmp_path / "shared.jsonl").write_text("\n".join(lines), encoding="utf-8")
-    (tmp_path / "page.md").write_text(f"# A\n\n{told.BEGIN}\nold\n{told.END}\n\nB\n")
+    (tmp_path / "page.md").write_text(f"# A\n\n{BEGIN}\nold\n{END}\n\nB\n")
     return tmp_path
 
 
@@ -74,8 +76,8 @@ def test_the_counts_go_into_the_page(study, capsys):
     words += ["--ledger", str(study / "shared.jsonl"), "--page", str(study / "page.md")]
     assert main(words) == 0
     text = (study / "page.md").read_text(encoding="utf-8")
-    assert text.startswith(f"# A\n\n{told.BEGIN}\n\n")
-    assert text.endswith(f"\n\n{told.END}\n\nB\n")
+    assert text.startswith(f"# A\n\n{BEGIN}\n\n")
+    assert text.endswith(f"\n\n{END}\n\nB\n")
     assert "old" not in text
     assert f"| `{FLEETS[0]}` | 0.4 to 0.62 | `b` | none | 0 of 12" in text
     assert "| nothing | 2 of 2: 1.00" in text

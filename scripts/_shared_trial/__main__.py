@@ -66,12 +66,13 @@ def _look(args: argparse.Namespace) -> int:
 
 
 def _table(args: argparse.Namespace) -> int:
-    from scripts._shared_trial.told import counted, put_into
+    from scripts._markdown import put_into
+    from scripts._shared_trial.told import counted
 
     told = counted(Path(args.screens), Path(args.ledger), args.version)
     print(told)
     if args.page is not None:
-        put_into(Path(args.page), told)
+        put_into(Path(args.page), "shared_trial", told)
     return 0
 
 

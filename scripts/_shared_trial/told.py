@@ -9,14 +9,10 @@ from scripts._ledger import entries
 from scripts._shared_trial.draws import EFFECTS, MOST_TIED, NOTHING, OWN, Drawn, drawn_fleets
 from scripts._shared_trial.draws import SEED as SEED_OF_DRAWS
 from scripts._shared_trial.rigs import FLEETS, RIGS, file_of
-from tp_jax._files import bytes_of, replaced
 from tp_jax.errors import InputError
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.shared.scores import RigScores, read
 from tp_jax.gap.shared.selection import KIND, Shared, shared_effects
-
-BEGIN, END = "<!-- shared_trial: begin -->", "<!-- shared_trial: end -->"
-"""Between these lines of a page stand the counts."""
 
 
 def counted(screens: Path, ledger: Path, version: str) -> str:
@@ -53,23 +49,6 @@ def counted(screens: Path, ledger: Path, version: str) -> str:
             markdown.circumstances(SEED_OF_DRAWS),
         ]
     )
-
-
-def put_into(page: Path, told: str) -> None:
-    """Puts the counts between the two lines of a page.
-
-    Raises:
-        InputError: the page lacks one of the lines.
-    """
-    text = bytes_of(page).decode("utf-8")
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise InputError(f"{page} lacks the line {END if begin else BEGIN}; add it.")
-    with replaced(page) as part:
-        part.write_text(
-            f"{before}{BEGIN}\n\n{told}\n\n{END}{after}", encoding="utf-8", newline="\n"
-        )
 
 
 def share(said: Iterable[bool]) -> str:
