@@ -30,14 +30,15 @@ FLEETS = ((20, 8), (200, 16), (200, 64), (1000, 64), (1000, 256))
 """Rigs, and workers."""
 
 LOSSES = (0.0, 0.1, 2.0)
-"""Workers lost in an hour of each worker: none; a cluster that takes machines back now and then; one
-that takes them back all the time."""
+"""Workers lost in an hour of each worker: none; now and then; by a cluster that takes machines back
+all the time."""
 
 RESTART_S = 30.0
 """Until a lost worker's place is filled: a process that imports and reads compiled programs."""
 
 HEADS = (
-    "rigs", "workers", "lost in an hour", "wall time over the least", "processor time over the work",
+    "rigs", "workers", "lost in an hour", "wall time over the least",
+    "processor time over the work",
     "given up",
 )  # fmt: skip
 
