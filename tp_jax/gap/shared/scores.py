@@ -10,6 +10,7 @@ import io
 import json
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -91,7 +92,7 @@ def write(file: Path, scores: RigScores) -> None:
         "variants": [dataclasses.asdict(each) for each in scores.variants],
     }  # fmt: skip
     upper = np.triu_indices(len(scores.score))
-    arrays = {
+    arrays: dict[str, Any] = {
         "score": scores.score, "limits": scores.limits, "information": scores.information[upper],
     }  # fmt: skip
     if not np.array_equal(scores.noise, scores.information):
