@@ -4,7 +4,7 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tp_jax.cli.output import forget, plain, replaced, write_json
+from tp_jax.cli.output import forget, made_folder, plain, replaced, write_json
 from tp_jax.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -37,25 +37,18 @@ def diagnosed(
     Raises:
         InputError: as `tp.diagnose`.
     """
-    from tp_jax._config import use_float64
-
-    use_float64()
-
-    from tp_jax.gap.diagnosis import examine
+    import tp_jax as tp
 
     kept, report = folder / FITS, folder / REPORT
-    examination = examine(
-        campaign, seed=seed, tolerance=tolerance, progress=progress, checkpoint=kept, resume=resume
-    )
-    result = plain(examination.result)
-    write_json(folder / RESULT, result)
+    asked: dict[str, Any] = {
+        "seed": seed, "tolerance": tolerance, "progress": progress, "checkpoint": kept,
+        "resume": resume,
+    }  # fmt: skip
     if screen:
-        from tp_jax.gap.shared.from_screen import rig_scores
-        from tp_jax.gap.shared.scores import write
-
-        causes = [cause["effect"] for cause in result["causes"]]
-        seen = examination.choice.rounds[0].screen
-        write(folder / SCREEN, rig_scores(folder.name, seen, causes, seed))
+        result = _with_screen(campaign, folder, asked)
+    else:
+        result = plain(tp.diagnose(campaign, **asked).to_dict())
+    write_json(folder / RESULT, result)
 
     from tp_jax.report.html import write_report
 
@@ -63,4 +56,22 @@ def diagnosed(
     with replaced(report) as part:
         write_report(result, part, figures=figures, day=date.today())
     forget(kept)
+    return result
+
+
+def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> dict[str, Any]:
+    """A diagnosis whose first screen is kept; its result."""
+    from tp_jax._config import use_float64
+
+    use_float64()
+
+    from tp_jax.gap.diagnosis import examine
+    from tp_jax.gap.shared.from_screen import rig_scores
+    from tp_jax.gap.shared.scores import write
+
+    examination = examine(campaign, **asked)
+    result = plain(examination.result)
+    causes = [cause["effect"] for cause in result["causes"]]
+    seen = examination.choice.rounds[0].screen
+    write(made_folder(folder) / SCREEN, rig_scores(folder.name, seen, causes, asked["seed"]))
     return result
