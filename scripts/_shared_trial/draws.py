@@ -13,6 +13,7 @@ from tp_jax.gap.detectability import FAMILY_WISE, TIED, needed_noncentrality
 from tp_jax.gap.shared.pooling import cosine, pool
 from tp_jax.gap.shared.scores import Key, RigScores
 from tp_jax.gap.shared.selection import KIND, shared_effects
+from tp_jax.gap.structure import roots
 
 SEED = 46
 """Of the draws."""
@@ -110,10 +111,7 @@ def _with_scores(
     rig: RigScores, hidden: tuple[Key, np.ndarray] | None, rng: np.random.Generator
 ) -> RigScores:
     """The rig with scores of noise and of what is hidden."""
-    value, vector = np.linalg.eigh(_unit(rig.information))
-    scale = np.sqrt(np.maximum(np.diag(rig.information), 0.0))
-    root = scale[:, None] * vector * np.sqrt(np.maximum(value, 0.0))
-    score = root @ rng.standard_normal(len(scale))
+    score = roots(rig.information[None])[0] @ rng.standard_normal(len(rig.score))
     if hidden is not None:
         key, amplitudes = hidden
         score = score - rig.information[:, rig.by_key[key].columns] @ amplitudes
@@ -164,10 +162,3 @@ def shown_alone(rig: RigScores, effect: str) -> bool:
     if effect in (NOTHING, OWN, first):
         return True
     return effect in best and cosine([rig], key, best[effect][1]) > TIED
-
-
-def _unit(V: np.ndarray) -> np.ndarray:
-    """As correlations: effects in units of their own differ by many powers of ten."""
-    scale = np.sqrt(np.maximum(np.diag(V), 0.0))
-    scale = np.where(scale > 0.0, scale, 1.0)
-    return V / np.outer(scale, scale)

@@ -68,7 +68,7 @@ def scores_of_noise(seen: Screen, seed: int) -> Iterator[np.ndarray]:
         seen: what a screen found. With coarse readings there are `OF_ROUNDING` draws.
         seed: of the draws.
     """
-    root = _roots(seen.by_block)
+    root = roots(seen.by_block)
     rng = np.random.default_rng(seed)
     draws = DRAWS if seen.rounding is None else OF_ROUNDING
     for _ in range(draws // CHUNK):
@@ -86,8 +86,8 @@ def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarr
     return both[:, :n] - seen.by_block[:, :n, n:] @ step
 
 
-def _roots(V: np.ndarray) -> np.ndarray:
-    """Matrices whose squares are the blocks' covariances (B, E, E).
+def roots(V: np.ndarray) -> np.ndarray:
+    """Matrices (B, E, E) whose squares are covariances V (B, E, E), those of blocks for instance.
 
     Of correlations, scaled back: where one effect tells a billion times as much as another, in
     whatever unit, rounding would else give the other scores that it never has.

@@ -19,6 +19,7 @@ from tp_jax.gap.policy import POLICY, SharedPolicy
 from tp_jax.gap.screen import pseudo_inverse
 from tp_jax.gap.shared.pooling import Agreement, Pooled, agreement, cosine, pool
 from tp_jax.gap.shared.scores import Key, RigScores
+from tp_jax.gap.structure import roots
 
 KIND, OWN = "kind", "own"
 """Verdicts: shared by all rigs of the kind; a rig's own."""
@@ -98,14 +99,9 @@ def shared_effects(
 def _noise(rigs: Sequence[RigScores], seed: int, draws: int) -> list[np.ndarray]:
     """Scores (E, draws) of noise alone, of each rig."""
     rng = np.random.default_rng(seed)
-    found = []
-    for rig in rigs:
-        scale = np.sqrt(np.maximum(np.diag(rig.noise), 0.0))
-        unit = np.where(scale > 0.0, scale, 1.0)
-        value, vector = np.linalg.eigh(rig.noise / np.outer(unit, unit))
-        root = scale[:, None] * vector * np.sqrt(np.maximum(value, 0.0))
-        found.append(root @ rng.standard_normal((len(scale), draws)))
-    return found
+    return [
+        roots(rig.noise[None])[0] @ rng.standard_normal((len(rig.score), draws)) for rig in rigs
+    ]
 
 
 def _every(
