@@ -15,8 +15,8 @@ from tp_jax.gap.shared.scores import Key, RigScores
 from tp_jax.gap.shared.selection import KIND, shared_effects
 from tp_jax.gap.structure import roots
 
-SEED = 46
-"""Of the draws."""
+SEED = 47
+"""Of the draws; no number that decides was chosen on them."""
 
 DRAWS = 10
 """Fleets with each effect, and fleets with nothing."""
@@ -49,7 +49,6 @@ class Drawn:
         first: the effect that is named first as the kind's; "" for none. right: whether that is
             the shared one or one of a small group that cannot be told from it.
         named: all effects that are named, as the kind's or as a rig's own.
-        own: those of them that are a rig's own.
         alone: how many of the rigs show the shared effect alone, as the most likely of all and
             beyond chance; rigs: of how many. Of a fleet without one: any effect.
     """
@@ -58,7 +57,6 @@ class Drawn:
     first: str
     right: bool
     named: tuple[str, ...]
-    own: tuple[str, ...]
     alone: int
     rigs: int
 
@@ -135,30 +133,39 @@ def half_detectable(rigs: Sequence[RigScores], key: Key, rng: np.random.Generato
 
 
 def judged(fleet: Sequence[RigScores], effect: str, number: int) -> Drawn:
-    """What the fleet names, and its rigs alone."""
+    """What the fleet names, and its rigs alone, whose own diagnoses name what they show."""
+    firsts = [first_alone(rig) for rig in fleet]
+    fleet = [
+        dataclasses.replace(rig, own=() if key is None else (key,))
+        for rig, key in zip(fleet, firsts, strict=True)
+    ]
     found = shared_effects(fleet, seed=number)
     kinds = [each for each in found.effects if each.verdict == KIND]
     first = kinds[0].pooled.key[0] if kinds else ""
     tied = set(kinds[0].tied) if kinds else set()
     right = first == effect or (effect in tied and len(tied) < MOST_TIED)
     named = tuple(each.pooled.key[0] for each in found.effects)
-    own = tuple(each.pooled.key[0] for each in found.effects if each.verdict != KIND)
     if effect in (NOTHING, OWN):
         right = not kinds if effect == OWN else not named
-    alone = sum(shown_alone(rig, effect) for rig in fleet)
-    return Drawn(effect, first, right, named, own, alone, len(fleet))
+    alone = sum(
+        key is not None and _is(rig, key, effect) for rig, key in zip(fleet, firsts, strict=True)
+    )
+    return Drawn(effect, first, right, named, alone, len(fleet))
 
 
-def shown_alone(rig: RigScores, effect: str) -> bool:
-    """Whether a rig alone shows the effect (any, where none is shared), first and beyond chance."""
+def first_alone(rig: RigScores) -> Key | None:
+    """The most likely effect on a rig alone, at its best shape; None if it is not beyond chance."""
     best: dict[str, tuple[float, Key]] = {}
     for v in rig.variants:
         pooled = pool([rig], v.key)
         best[v.effect] = max(best.get(v.effect, (-np.inf, v.key)), (pooled.statistic, v.key))
-    first = max(best, key=lambda id: best[id][0])
-    statistic, key = best[first]
-    if statistic < -np.log(FAMILY_WISE / len(best)):
-        return False
-    if effect in (NOTHING, OWN, first):
+    statistic, key = max(best.values())
+    return None if statistic < -np.log(FAMILY_WISE / len(best)) else key
+
+
+def _is(rig: RigScores, key: Key, effect: str) -> bool:
+    """Whether what a rig shows is the effect (any, where none is shared), or like it."""
+    if effect in (NOTHING, OWN, key[0]):
         return True
-    return effect in best and cosine([rig], key, best[effect][1]) > TIED
+    every = [v.key for v in rig.variants if v.effect == effect]
+    return any(cosine([rig], key, each) > TIED for each in every)

@@ -17,7 +17,7 @@ from trials.draw import draw_rig, runs_of
 from trials.projection import Bench
 
 SEED = 46
-"""Of the study; no choice of the fleets' rules was made on its rigs."""
+"""Of the full fleets."""
 
 RIGS = 12
 """Of a fleet."""

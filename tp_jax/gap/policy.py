@@ -229,7 +229,8 @@ class SharedPolicy:
             twelve rigs with half the detectable size are ten times as far from chance.
         rigs: that an effect must apply to, and a fleet must have: of two that differ nobody knows
             which is usual.
-        differ: level at which rigs are said to differ in an amplitude, and
+        differ: level at which rigs are said to differ in an amplitude, the usual one: where that is
+            wrong, an effect is only not called the kind's; and
         spread: standard deviation of their amplitudes, over the pooled one, from which that
             matters: with less, nearly all rigs have the effect with the same sign. Large effects
             are known so well that their linearisation alone makes them differ.
@@ -245,7 +246,7 @@ class SharedPolicy:
 
     level: float = 0.01
     rigs: int = 3
-    differ: float = 0.01
+    differ: float = 0.05
     spread: float = 0.5
     kept: float = 0.5
     least: float = 0.05
