@@ -60,6 +60,7 @@ def test_it_has_the_numbers_that_decide_what_rigs_share():
     assert f"does not reject at {shared.differ:g}, " in text
     assert f"({shared.near:g} nat of −log p)" in text
     assert f"(|cos| above {TIED:g})" in text
+    assert f"(|cos| above {shared.alike:g})" in text
     assert shared.rigs == 3
     assert "at least three rigs" in text
     assert (shared.spread, shared.kept, shared.least) == (0.5, 0.5, 0.05)

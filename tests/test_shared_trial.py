@@ -79,7 +79,7 @@ def test_the_counts_go_into_the_page(study, capsys):
     assert text.startswith(f"# A\n\n{BEGIN}\n\n")
     assert text.endswith(f"\n\n{END}\n\nB\n")
     assert "old" not in text
-    assert f"| `{FLEETS[0]}` | 0.4 to 0.62 | `b` | none | 0 of 12" in text
+    assert f"| {FLEETS[0]} | 0.4 to 0.62 | `b` | none | 0 of 12" in text
     assert "| nothing | 2 of 2: 1.00" in text
     assert capsys.readouterr().out.strip() in text
 

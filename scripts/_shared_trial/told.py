@@ -74,7 +74,7 @@ def _of_draws(drawn: Sequence[Drawn]) -> str:
 
 
 def _shared(effect: str) -> str:
-    return {NOTHING: NOTHING, OWN: f"nothing; {OWN}"}.get(effect, f"`{effect}`")
+    return {NOTHING: NOTHING, OWN: f"nothing; {OWN}"}.get(effect, effect)
 
 
 def _named(drawn: Sequence[Drawn]) -> str:
@@ -100,7 +100,7 @@ def _of_fleets(fleets: dict[int, list[RigScores]], lines: Sequence[dict[str, Any
         sizes = f"{multiples[0]:.2g} to {multiples[-1]:.2g}" if multiples else "–"
         found = shared_effects(rigs, SEED_OF_DRAWS)
         rows.append((
-            f"`{effect}`" if effect else "nothing", sizes, _effects(found, kind=True),
+            effect or NOTHING, sizes, _effects(found, kind=True),
             _effects(found, kind=False), share(_seen_alone(each, effect) for each in mine),
         ))  # fmt: skip
     return markdown.table(heads, rows)

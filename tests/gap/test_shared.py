@@ -65,6 +65,13 @@ def test_a_rig_s_own_cause_is_still_asked_for():
     assert own.drop == pool(scores_of(rigs), ("a", ())).drop
 
 
+def test_a_rig_s_own_cause_that_is_like_the_effect_takes_nothing_from_it():
+    rigs = fleet(2, shared=(0, 0, 0.3, 0, 0, 0))  # `d` much resembles `c`, and `a` does not
+    plain = pool(scores_of(rigs), ("c", ()))
+    assert pool(scores_of(rigs, own=["d"]), ("c", ())).drop == plain.drop
+    assert pool(scores_of(rigs, own=["a"]), ("c", ())).drop != plain.drop
+
+
 def test_a_rig_that_an_effect_does_not_apply_to_is_left_out():
     rigs = fleet(3, n=6, shared=(0, 0.2, 0, 0, 0, 0))
     rigs[4].missing = ("b",)

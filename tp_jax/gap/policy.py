@@ -234,6 +234,9 @@ class SharedPolicy:
         spread: standard deviation of their amplitudes, over the pooled one, from which that
             matters: with less, nearly all rigs have the effect with the same sign. Large effects
             are known so well that their linearisation alone makes them differ.
+        alike: |cos| between an effect and a rig's own cause, on that rig, above which the cause is
+            not projected out of the effect there: about half of what the rig says of the effect
+            would go, and a rig may have named the kind's effect wrongly.
         kept: part of the reduction that is left without the rig that contributes most, if the
             effect does not pass without it; of three equal rigs two thirds are left.
         least: part of the largest reduction below which nothing further is named: linearisations
@@ -248,6 +251,7 @@ class SharedPolicy:
     rigs: int = 3
     differ: float = 0.05
     spread: float = 0.5
+    alike: float = 0.7
     kept: float = 0.5
     least: float = 0.05
     near: float = 3.0

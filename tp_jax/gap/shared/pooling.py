@@ -14,8 +14,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tp_jax import _tails as tails
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.screen import predicted_drop, pseudo_inverse
-from tp_jax.gap.shared.scores import Key, RigScores
+from tp_jax.gap.shared.scores import Key, RigScores, ScoredVariant
 
 NORMAL = 1.96
 """Standard errors of half a 95 % interval."""
@@ -119,8 +120,9 @@ def pool(
 def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence[Key]) -> Part:
     """What a rig says of some effects; those of its own are projected out.
 
-    An effect that is asked for is not projected out, even if the rig's own diagnosis names it. Of
-    one that does not apply to the rig it says nothing: score and information are zero.
+    An effect that is asked for is not projected out, even if the rig's own diagnosis names it, nor
+    is a cause of its own that resembles it on this rig (`SharedPolicy.alike`). Of an effect that
+    does not apply to the rig it says nothing: score and information are zero.
 
     Args:
         rig: its scores. place: of the rig in the fleet.
@@ -131,8 +133,10 @@ def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence
     known = rig.by_key
     n = len(rig.score)
     asked = {effect for effect, _ in sizes}
+    first = next(known[key] for key in sizes if key in known)
+    others = [*(key for key in rig.own if not _alike(rig, first, known.get(key))), *owns]
     apart = [
-        known[key].columns for key in dict.fromkeys((*rig.own, *owns))
+        known[key].columns for key in dict.fromkeys(others)
         if key in known and key[0] not in asked
     ]  # fmt: skip
     rows = np.concatenate([
@@ -144,10 +148,17 @@ def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence
         V = rig.information
         gain = rows @ V[:, columns] @ pseudo_inverse(V[np.ix_(columns, columns)])
         rows[:, columns] -= gain
-    dispersion = next(known[key].dispersion for key in sizes if key in known)
     return Part(
-        place, rows @ rig.score, rows @ rig.information @ rows.T, rows, max(dispersion, 1.0)
+        place, rows @ rig.score, rows @ rig.information @ rows.T, rows, max(first.dispersion, 1.0)
     )
+
+
+def _alike(rig: RigScores, one: ScoredVariant, own: ScoredVariant | None) -> bool:
+    """Whether a rig's own cause may be the effect under another name."""
+    if own is None:
+        return False
+    a, b, V = one.columns, own.columns, rig.information
+    return canonical(V[a, a], V[a, b], V[b, b]) > POLICY.shared.alike
 
 
 def together(key: Key, parts: Sequence[Part], limits: np.ndarray) -> Pooled:
@@ -213,7 +224,12 @@ def cosine(rigs: Sequence[RigScores], a: Key, b: Key, kinds: Sequence[Key] = (),
     V = np.sum([part.information / part.dispersion for part in parts], axis=0)
     q, n = sizes[a], sizes[a] + sizes[b]
     V = V[:n, :n] - V[:n, n:] @ pseudo_inverse(V[n:, n:]) @ V[n:, :n]
-    cross = _root(V[:q, :q]) @ V[:q, q:] @ _root(V[q:, q:])
+    return canonical(V[:q, :q], V[:q, q:], V[q:, q:])
+
+
+def canonical(one: np.ndarray, across: np.ndarray, other: np.ndarray) -> float:
+    """Largest canonical correlation, from the blocks of an information matrix."""
+    cross = _root(one) @ across @ _root(other)
     return float(np.clip(np.linalg.svd(cross, compute_uv=False).max(initial=0.0), 0.0, 1.0))
 
 
