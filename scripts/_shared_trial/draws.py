@@ -48,6 +48,7 @@ class Drawn:
         effect: that its rigs share, NOTHING or OWN.
         first: the effect that is named first as the kind's; "" for none. right: whether that is
             the shared one or one of a small group that cannot be told from it.
+        more: others that are named as the kind's after it.
         named: all effects that are named, as the kind's or as a rig's own.
         alone: how many of the rigs show the shared effect alone, as the most likely of all and
             beyond chance; rigs: of how many. Of a fleet without one: any effect.
@@ -56,6 +57,7 @@ class Drawn:
     effect: str
     first: str
     right: bool
+    more: tuple[str, ...]
     named: tuple[str, ...]
     alone: int
     rigs: int
@@ -150,7 +152,8 @@ def judged(fleet: Sequence[RigScores], effect: str, number: int) -> Drawn:
     alone = sum(
         key is not None and _is(rig, key, effect) for rig, key in zip(fleet, firsts, strict=True)
     )
-    return Drawn(effect, first, right, named, alone, len(fleet))
+    more = tuple(each.pooled.key[0] for each in kinds[1:])
+    return Drawn(effect, first, right, more, named, alone, len(fleet))
 
 
 def first_alone(rig: RigScores) -> Key | None:

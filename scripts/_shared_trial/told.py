@@ -61,15 +61,20 @@ def share(said: Iterable[bool]) -> str:
 
 
 def _of_draws(drawn: Sequence[Drawn]) -> str:
-    heads = ("the rigs share", "right", "named first as the kind's", "shown by a rig alone")
+    heads = (
+        "the rigs share", "right", "named first as the kind's", "more named after it",
+        "shown by a rig alone",
+    )  # fmt: skip
     rows = []
     for effect in (NOTHING, OWN, *EFFECTS):
         mine = [each for each in drawn if each.effect == effect]
         if mine:
-            shares = share(each.right for each in mine), _named(mine), share(_alone(mine))
+            more = sum(bool(each.more) for each in mine)
+            shares = share(each.right for each in mine), _named(mine), more, share(_alone(mine))
             rows.append((_shared(effect), *shares))
     some = [each for each in drawn if each.effect not in (NOTHING, OWN)]
-    rows.append(("any effect", share(each.right for each in some), "", share(_alone(some))))
+    more = sum(bool(each.more) for each in some)
+    rows.append(("any effect", share(each.right for each in some), "", more, share(_alone(some))))
     return markdown.table(heads, rows)
 
 
