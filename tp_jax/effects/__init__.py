@@ -9,6 +9,9 @@ from tp_jax.effects.base import Amplitude as Amplitude
 from tp_jax.effects.base import Applied as Applied
 from tp_jax.effects.base import Effect as Effect
 from tp_jax.effects.base import Shape as Shape
+from tp_jax.effects.laws import AnyLaw as AnyLaw
+from tp_jax.effects.laws import Law as Law
+from tp_jax.effects.laws import laws as laws
 from tp_jax.effects.registry import catalogue as catalogue
 from tp_jax.effects.registry import get as get
 from tp_jax.effects.registry import register as register

@@ -17,6 +17,7 @@ is not zero there, since all effects are judged from one linearisation at null.
 """
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -98,6 +99,8 @@ class Effect:
         drifts: whether it changes with the time within a run, the same way in every run: one run
             cannot show that another would.
         n_states: number of states of its own, each in rad, zero where a run begins at rest.
+        slots: name under which a layout has its numbers, where that is not its id: laws share
+            those of one (`laws.AnyLaw`); constants: what stands there for it besides.
         reads_later: the amplitude [s] by which it has a measured drive read later, if it does;
             its increment is then `m.later` of it.
         formula, source, looks_like: for people.
@@ -118,6 +121,8 @@ class Effect:
     relative: ClassVar[str] = ""
     drifts: ClassVar[bool] = False
     n_states: ClassVar[int] = 0
+    slots: ClassVar[str] = ""
+    constants: ClassVar[Mapping[str, float]] = {}
     reads_later: ClassVar[str] = ""
     formula: ClassVar[str] = ""
     source: ClassVar[str] = ""
@@ -167,7 +172,12 @@ class Effect:
 
     def qualified(self, name: str) -> str:
         """Name of one of its amplitudes or constants among all parameters."""
-        return f"{self.id}.{name}"
+        return f"{self.slots or self.id}.{name}"
+
+    @property
+    def hooks(self) -> tuple[str, ...]:
+        """The quantities that it adds to: one, but for `laws.AnyLaw`."""
+        return (self.hook,)
 
 
 class Applied(eqx.Module):
@@ -180,6 +190,11 @@ class Applied(eqx.Module):
     def hook(self) -> str:
         """Quantity the effect adds to."""
         return self.effect.hook
+
+    @property
+    def hooks(self) -> tuple[str, ...]:
+        """All quantities the effect adds to."""
+        return self.effect.hooks
 
     @property
     def n_states(self) -> int:

@@ -7,10 +7,11 @@ import pkgutil
 import warnings
 
 from tp_jax.effects.base import CHANNELS, HOOKS, Effect
+from tp_jax.effects.laws import laws
 from tp_jax.effects.trial import tried
 from tp_jax.errors import Notice
 
-_PLAIN = {"base", "registry", "trial"}
+_PLAIN = {"base", "laws", "registry", "trial"}
 _registered: dict[str, Effect] = {}
 
 
@@ -103,12 +104,14 @@ def catalogue() -> dict[str, Effect]:
 
 
 def get(id: str) -> Effect:
-    """One effect by id.
+    """One effect by id: of the catalogue, or a law by its family (`laws`).
 
     Raises:
         KeyError: if there is none of that name; the message lists those there are.
     """
     effects = catalogue()
+    if id in laws():
+        return laws()[id]
     if id not in effects:
         raise KeyError(f"There is no effect {id!r}, choose one of: {', '.join(effects)}.")
     return effects[id]

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.effects import Effect, catalogue
+from tp_jax.effects import AnyLaw, Effect, catalogue
 from tp_jax.estimation.fitted import Anchor, Fit
-from tp_jax.estimation.layout import Layout, Unknown, Values, is_from_outside
+from tp_jax.estimation.layout import Layout, Unknown, Values, order
 from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.period import horizons_of, typical_period
 from tp_jax.estimation.problem import Problem, room, sample_capacity
@@ -78,6 +78,8 @@ class Setting:
         widths: (r,) samples of the window that smooths a recording.
         period: of the column's motion, typically [s].
         blocks: (r,) samples of which each of a recording's is the mean (`recordings.thinning`).
+        supports: middle and half width of what the recordings visit of each law's argument, by the
+            law's family; empty until laws are asked for (`gap.visited`).
     """
 
     campaign: Campaign
@@ -95,6 +97,7 @@ class Setting:
     widths: np.ndarray
     period: float
     blocks: tuple[int, ...] = ()
+    supports: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
 
     @functools.cached_property
     def programs(self) -> Programs:
@@ -209,10 +212,10 @@ def prepare_campaign(
     levels = noise_levels(recordings, colours)
     levels = np.where(levels > 0.0, levels, LEAST_NOISE)
     if effects is None:
-        effects = list(catalogue().values())
+        effects = [*catalogue().values(), AnyLaw()]
         if campaign.model == "single":
             effects = [e for e in effects if not e.about_rider]
-    layout = Layout(campaign.model, tuple(sorted(effects, key=is_from_outside)))
+    layout = Layout(campaign.model, tuple(sorted(effects, key=order)))
     own = np.array([np.median(np.diff(r.t)) for r in recordings])
     step = float(np.median(own))
     widths = np.clip(np.round(period / 10.0 / own), 7, 25).astype(int) | 1

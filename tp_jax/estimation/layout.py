@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.effects import Applied, Effect
+from tp_jax.effects import AnyLaw, Applied, Effect
 from tp_jax.effects.base import HOOKS
 from tp_jax.model.bearing import Bearing
 from tp_jax.model.contact import Contact
@@ -48,14 +48,19 @@ def is_from_outside(effect: Effect) -> bool:
     return type(effect).__module__.split(".")[0] != __name__.split(".")[0]
 
 
+def order(effect: Effect) -> int:
+    """Sorts a layout's effects: the catalogue's, `AnyLaw`, those from outside the package."""
+    return 2 if is_from_outside(effect) else int(isinstance(effect, AnyLaw))
+
+
 @dataclasses.dataclass(frozen=True)
 class Layout:
     """The slots of one kind of pendulum with a set of effects.
 
     Attributes:
         kind: "double" or "single".
-        effects: the effects whose amplitudes have slots; those from outside the package should be
-            the last (`room`).
+        effects: the effects whose amplitudes have slots, sorted by `order`: those from outside the
+            package are the last (`room`).
     """
 
     kind: str
@@ -99,18 +104,24 @@ class Layout:
         """Effects from outside the package."""
         return frozenset(e.id for e in self.effects if is_from_outside(e))
 
+    @functools.cached_property
+    def learned(self) -> frozenset[str]:
+        """The effect that stands for all laws, if it is there."""
+        return frozenset(e.id for e in self.effects if isinstance(e, AnyLaw))
+
     def described(self, ids: frozenset[str]) -> str:
         """All that a program which carries some effects takes from those of the package.
 
         It is the same in every process. Effects from outside are left out: see
-        `program.described`.
+        `program.described`. Laws that are not carried change nothing.
         """
         named = [
             f"{type(e).__module__}.{type(e).__qualname__}{'*' if e.id in ids else ''}"
             for e in self.effects
-            if e.id not in self.outside
+            if e.id not in self.outside | self.learned
         ]
-        return f"{self.kind} {named}"
+        curves = [self.numbers(e) for e in self.carried(ids & self.learned)]
+        return f"{self.kind} {named} {self.room} {curves}"
 
     def carried(self, ids: frozenset[str]) -> tuple[Effect, ...]:
         """The effects of some ids."""
@@ -139,6 +150,10 @@ class Layout:
         """Effects that change what is read, not what moves."""
         return frozenset(e.id for e in self.effects if e.hook in SENSORS)
 
+    def sensed(self, ids: frozenset[str]) -> frozenset[str]:
+        """Effects of the readings in a program that carries some effects."""
+        return self.sensing | (ids & self.learned)
+
     def lateness(self, table: np.ndarray) -> np.ndarray:
         """By how much later than recorded a measured drive is to be read (R,) [s].
 
@@ -152,14 +167,14 @@ class Layout:
     def families(self) -> tuple[frozenset[str], ...]:
         """Effects of the motion in groups: what they add to a step's cost is alike.
 
-        Those without a state of their own, those with one, those with two. Those from outside the
-        package are alone, so that nobody compiles all others anew with them.
+        Those without a state of their own, those with one, those with two; laws. Those from
+        outside the package are alone, so that nobody compiles all others anew with them.
         """
         kinds: dict[tuple, set[str]] = {}
         for e in self.effects:
             if e.hook in MOTION:
-                alone = e.id if e.id in self.outside else ""
-                kinds.setdefault((alone, e.n_states), set()).add(e.id)
+                apart = e.id if e.id in self.outside else "law" if e.id in self.learned else ""
+                kinds.setdefault((apart, e.n_states), set()).add(e.id)
         return tuple(frozenset(kinds[kind]) for kind in sorted(kinds))
 
     def n_states(self, ids: frozenset[str] = frozenset()) -> int:

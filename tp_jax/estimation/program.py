@@ -95,7 +95,7 @@ def linearise(
     steps = np.array(tolerances, float) if isinstance(tolerances, Tolerances) else tolerances
     p = _with_room(layout, p)
     run, own = _integrate(layout, ids, steps, p, x0, block, directions)
-    return _observe(layout, p, block, directions, run)._replace(own=own)
+    return _observe(layout, layout.sensed(ids), p, block, directions, run)._replace(own=own)
 
 
 def _with_room(layout: Layout, p: Float[AnyArray, "P L"]) -> Float[AnyArray, "R L"]:
@@ -104,7 +104,7 @@ def _with_room(layout: Layout, p: Float[AnyArray, "P L"]) -> Float[AnyArray, "R 
     return np.pad(p, more) if isinstance(p, np.ndarray) else jnp.pad(p, more)
 
 
-def _described(layout: Layout, ids: frozenset[str] | None = None) -> str | None:
+def _described(layout: Layout, ids: frozenset[str]) -> str | None:
     """All that a program takes from its static arguments, the same in every process.
 
     Of the package's own effects the names say enough, since the source is part of a program's key
@@ -113,18 +113,17 @@ def _described(layout: Layout, ids: frozenset[str] | None = None) -> str | None:
 
     Args:
         layout: structure of the model.
-        ids: of the effects that the program carries; those of the sensors if None.
+        ids: of the effects that the program carries.
 
     Returns:
         None where an effect's formula cannot be traced alone.
     """
-    carried = layout.sensing if ids is None else ids
-    outside = carried & layout.outside
+    outside = ids & layout.outside
     slots = [i for e in layout.carried(outside) for i in layout.numbers(e)]
     # a formula does not say which of its numbers are estimated, nor are all of them in its text
     placed = [(layout.parameters[i].name, i, i in layout.estimable) for i in slots]
     try:
-        return f"{layout.described(carried)} {placed} {_formulas(layout, outside)}"
+        return f"{layout.described(ids)} {placed} {_formulas(layout, outside)}"
     except Exception as fault:  # an effect of the user's that leans on another: it is traced anew
         log.info("A program with %s is not kept: %s", sorted(outside), fault)
         return None
@@ -157,6 +156,42 @@ def _formulas(layout: Layout, ids: frozenset[str]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+class _Rows(NamedTuple):
+    """The slots that a program's model looks at: all others are no operand of its operations.
+
+    A layout has slots for every effect, over a hundred; a model with one effect looks at fifty.
+    Those handed on in vain cost nothing when a program runs, but they do when it is compiled.
+
+    used: slots; place: (R,) of each slot among them, of those not used that of a zero behind them;
+    estimable: places of those that may be asked for; slots: of the layout.
+    """
+
+    used: tuple[int, ...]
+    place: np.ndarray
+    estimable: tuple[int, ...]
+    slots: int
+
+    @classmethod
+    def of(cls, layout: Layout, ids: frozenset[str], room: int) -> "_Rows":
+        """Those of a model with some effects; `room` rows are there (`Layout.room`)."""
+        used = layout.depends(ids)
+        place = np.full(room, len(used))
+        place[list(used)] = np.arange(len(used))
+        estimable = tuple(int(place[i]) for i in layout.estimable if i in used)
+        return cls(used, place, estimable, len(layout.parameters))
+
+    def taken(self, p) -> tuple[Array, ...]:
+        """The rows that are used, and a zero."""
+        return (*(p[i] for i in self.used), 0.0 * p[0])
+
+    def spread(self, q: Sequence) -> list:
+        """What is used, each at its slot; None elsewhere."""
+        every: list = [None] * self.slots
+        for i, x in zip(self.used, q, strict=False):  # the zero behind them is no slot
+            every[i] = x
+        return every
+
+
 def _slots(layout: Layout, p: Sequence[Array]) -> tuple[Array, ...]:
     """Numbers by slot, without what follows them.
 
@@ -172,13 +207,16 @@ def _integrate(layout, ids, tolerances, p, x0, block, directions):
     measured = block.pieces is not None
     TRACES.append((layout, ids, p.shape, block.ts.shape, directions.shape, measured))
 
-    def field(t, y, q, piece, left):
-        return layout.model(_slots(layout, q), piece, left, ids).derivative(t, y)
+    rows = _Rows.of(layout, ids, len(p))
 
-    eps = (layout.index["eps1"], layout.index["eps2"])
+    def field(t, y, q, piece, left):
+        return layout.model(rows.spread(q), piece, left, ids).derivative(t, y)
+
+    eps = (int(rows.place[layout.index["eps1"]]), int(rows.place[layout.index["eps2"]]))
     lanes = Lanes(block.ts, block.count, block.start, x0, block.pieces)
     steps = Tolerances(*tolerances)
-    run = integrate(field, tuple(p), lanes, eps, directions, layout.estimable, steps)
+    wanted = jnp.asarray(rows.place)[directions]
+    run = integrate(field, rows.taken(p), lanes, eps, wanted, rows.estimable, steps)
     # What follows knows angles and velocities only, and is compiled once for all.
     count = x0.shape[1]
     s = run.s
@@ -187,10 +225,11 @@ def _integrate(layout, ids, tolerances, p, x0, block, directions):
     return run._replace(y=run.y[..., :4], s=s), run.y[..., 4:]
 
 
-@functools.partial(Stored, static=1, describe=_described)
-def _observe(layout, p, block, directions, run) -> Linearised:
+@functools.partial(Stored, static=2, describe=_described)
+def _observe(layout, ids, p, block, directions, run) -> Linearised:
     """Readings of integrated windows, less the data."""
-    slots = tuple(p)
+    rows = _Rows.of(layout, ids, len(p))
+    slots = rows.taken(p)
     y = tuple(jnp.moveaxis(run.y, 2, 0).transpose(0, 2, 1))  # components (n, L)
     measured = block.pieces is not None
     if measured:
@@ -200,9 +239,10 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     wide = tuple(jnp.broadcast_to(q, block.ts.shape) for q in slots)
 
     # What acts on the motion alone reaches the readings through the states only.
-    depends = sorted(set(layout.depends(layout.sensing)) & set(layout.estimable))
+    depends = list(rows.estimable)
     turn = np.full(len(slots), len(depends))
     turn[depends] = np.arange(len(depends))
+    turn = turn[rows.place]
 
     def observed(f, t, y, q, s):
         """Values (k, m, L) and derivatives (L, m, k, 4 + d) at m samples; s: (L, m, 4, 4 + d)."""
@@ -227,7 +267,7 @@ def _observe(layout, p, block, directions, run) -> Linearised:
 
     @jax.jit
     def readings(t, y, q):
-        model = layout.model(_slots(layout, q), *at_piece(q), layout.sensing)
+        model = layout.model(rows.spread(q), *at_piece(q), ids)
         return tuple(model.readings(t, y))
 
     # The prior takes their rates too. What an effect of the motion does is in the states; the
@@ -235,7 +275,7 @@ def _observe(layout, p, block, directions, run) -> Linearised:
     # pendulum without.
     @jax.jit
     def and_rates(t, y, q):
-        model = layout.model(_slots(layout, q), *at_piece(q), layout.sensing)
+        model = layout.model(rows.spread(q), *at_piece(q), ids)
         f = lambda t, y: tuple(model.readings(t, y))  # noqa: E731
         rates = model.derivative(t, y)
         h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))

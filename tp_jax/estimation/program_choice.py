@@ -16,9 +16,9 @@ class Programs:
     A family of effects shares one, so that all of them may be looked at (`Layout.families`). Beside
     effects that are there already, all families without states share one, which serves whatever is
     there, and is compiled once for all campaigns. One of everything would take minutes to compile
-    and gigabytes: a family with states is looked at beside just what is there, and so is an effect
-    from outside the package. Each is compiled when it is first needed; what fits into several uses
-    the smallest.
+    and gigabytes: a family with states is looked at beside just what is there, and so are laws
+    and an effect from outside the package. Each is compiled when it is first needed; what fits into
+    several uses the smallest.
     """
 
     def __init__(self, layout: Layout):
@@ -28,7 +28,7 @@ class Programs:
         self.moving = frozenset().union(*layout.families)
         self.apart = [
             f for f in layout.families
-            if layout.n_states(f) > layout.n_states() or f & layout.outside
+            if layout.n_states(f) > layout.n_states() or f & (layout.outside | layout.learned)
         ]  # fmt: skip
         self.plain = self.moving.difference(*self.apart)
         self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes(frozenset({e.id}))}

@@ -153,7 +153,7 @@ def choose(
                 # The other effects are a burden that many fits would carry: beside what is in, all
                 # without states share a program, of four times the time; so do those with states.
                 current.fit.problem.programs.add({*current.ids, s.id})
-            trial = _tried(setting, current, s, known)
+            trial = tried(setting, current, s, known)
             if i < ALWAYS:
                 trial = freed(setting, current.fit, trial)
                 if min(left, removable(trial.fit)) > enough:
@@ -194,7 +194,7 @@ def choose(
                 break
             progress(f"predicting left-out recordings: {best}", None)
             if polished.fit.converged:
-                confirmations[best] = _confirmed(setting, current, polished, without)
+                confirmations[best] = confirmed(setting, current, polished, without)
             else:  # where it would end nobody knows
                 reason = "its fit does not come to an end"
                 confirmations[best] = Confirmation(False, 0.0, 0.0, 1.0, reason)
@@ -254,7 +254,7 @@ def looked_at(
     return first, seen, structure
 
 
-def _tried(setting: Setting, current: Refit, s: Scored, known: Refit | None) -> Refit:
+def tried(setting: Setting, current: Refit, s: Scored, known: Refit | None) -> Refit:
     """A refit with one more effect, from the optimum of these effects where it is known."""
     if known is None or {*current.ids, s.id} != set(known.ids):
         return refit(setting, current.fit, [*current.variants, s.variant])
@@ -289,7 +289,7 @@ def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:
     return ranked + [s for s in (a, b) if s.id not in {x.id for x in ranked}]
 
 
-def _confirmed(
+def confirmed(
     setting: Setting, current: Refit, trial: Refit, without: dict[tuple, LeftOut]
 ) -> Confirmation:
     """What recordings left out say of the effect that came last.

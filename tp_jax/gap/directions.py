@@ -4,7 +4,8 @@ import dataclasses
 import itertools
 from collections.abc import Sequence
 
-from tp_jax.effects import Effect
+from tp_jax.effects import Effect, Law
+from tp_jax.effects.laws import HALF, MIDDLE
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Unknown
 
@@ -26,7 +27,8 @@ class Variant:
     @property
     def settings(self) -> dict[str, float]:
         """Slots of the shape constants to their values."""
-        return {self.effect.qualified(n): v for n, v in self.shapes}
+        numbers = {**dict(self.shapes), **self.effect.constants}
+        return {self.effect.qualified(n): v for n, v in numbers.items()}
 
 
 def amplitude_unknowns(effect: Effect, setting: Setting) -> tuple[Unknown, ...]:
@@ -46,19 +48,23 @@ def amplitude_unknowns(effect: Effect, setting: Setting) -> tuple[Unknown, ...]:
 
 
 def variants(effect: Effect, setting: Setting) -> list[Variant]:
-    """The effect at every point of its shape grid."""
+    """The effect at every point of its shape grid; a law over what the recordings visit."""
     unknowns = amplitude_unknowns(effect, setting)
+    if isinstance(effect, Law):
+        middle, half = setting.supports[effect.id]
+        return [Variant(effect, ((MIDDLE, middle), (HALF, half)), unknowns)]
     grids = [[(s.name, x) for x in s.grid] for s in effect.shapes]
     return [Variant(effect, tuple(c), unknowns) for c in itertools.product(*grids)]
 
 
 def layers(all_variants: Sequence[Variant]) -> list[list[Variant]]:
-    """Groups of variants in which every effect appears once at most: one linearisation each."""
+    """Groups of variants in which every slot has one number: one linearisation each."""
     out: list[list[Variant]] = []
     seen: dict[str, int] = {}
     for v in all_variants:
-        i = seen.get(v.effect.id, 0)
-        seen[v.effect.id] = i + 1
+        name = v.effect.slots or v.effect.id
+        i = seen.get(name, 0)
+        seen[name] = i + 1
         if i == len(out):
             out.append([])
         out[i].append(v)

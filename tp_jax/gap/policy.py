@@ -173,6 +173,23 @@ class HorizonPolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class LearningPolicy:
+    """When a curve is asked for where no formula explains the gap.
+
+    Attributes:
+        refitted: laws that are refitted each time, those with the largest evidence; a refit of
+            twelve coefficients takes as long as those of four formulas.
+        deviance: sum of squares beyond the noise, over the misfit, from which a curve is asked for:
+            as much as a cause of twelve amplitudes has to take (`earned`).
+        chance: standard deviations of a sum of squares of noise alone up to which nothing is left.
+    """
+
+    refitted: int = 2
+    deviance: float = 64.0
+    chance: float = 3.0
+
+
+@dataclasses.dataclass(frozen=True)
 class ExplorePolicy:
     """Which run is recorded next, and when another one is not worth it.
 
@@ -270,6 +287,7 @@ class Policy:
     verdict: VerdictPolicy = VerdictPolicy()
     noise: NoisePolicy = NoisePolicy()
     horizon: HorizonPolicy = HorizonPolicy()
+    learning: LearningPolicy = LearningPolicy()
     explore: ExplorePolicy = ExplorePolicy()
     shared: SharedPolicy = SharedPolicy()
 

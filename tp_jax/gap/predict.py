@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.effects import catalogue
+from tp_jax.effects import catalogue, laws
 from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import drive_for, pendulum
 from tp_jax.estimation.layout import SENSORS
@@ -100,7 +100,7 @@ def _check_parameters(parameters: Mapping[str, float]) -> None:
 
 def _check_effects(record: Mapping[str, Any]) -> None:
     """Sees that the catalogue has the causes of a fit, and the fit all their numbers."""
-    known = catalogue()
+    known = {**catalogue(), **laws()}
     for id, numbers in record["effects"].items():
         if id not in known:
             raise InputError(

@@ -14,14 +14,10 @@ from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.sharpen import sharpened
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.directions import Variant, variants
-from tp_jax.gap.screen import pseudo_inverse
+from tp_jax.gap.screen import WIDE, pseudo_inverse
 
 log = logging.getLogger(__name__)
 
-#: Typical sizes within which an amplitude is expected. It matters where a recording says nothing of
-#: its own (the friction of a rider that never slides): it would be sent to a bound, and the step
-#: with it to nowhere.
-WIDE = 3.0
 COARSE, COARSE_PART = 0.2, 1e-3
 BEYOND_CHANCE = 3.0  # standard deviations of a sum of squares of noise alone
 VALLEY = 50.0  # of a sum of squares: to know which way a number goes that is held

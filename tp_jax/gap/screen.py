@@ -15,6 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tp_jax.effects import AnyLaw, Law, laws
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
@@ -25,6 +26,11 @@ from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.directions import Variant, layers, variants
 from tp_jax.gap.rounding import Rounding, rounding
+
+#: Typical sizes within which an amplitude is expected. It matters where a recording says nothing of
+#: its own (the friction of a rider that never slides): it would be sent to a bound, and the step
+#: with it to nowhere.
+WIDE = 3.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,7 +112,13 @@ class Screen:
         return sorted(top.values(), key=lambda s: -s.drop)
 
 
-def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = True) -> Screen:
+def screen(
+    fit: Fit,
+    setting: Setting,
+    skip: Sequence[str] = (),
+    states: bool = True,
+    learned: bool = False,
+) -> Screen:
     """Scores every effect that applies and is not in the fit already.
 
     Args:
@@ -114,15 +126,20 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
         setting: the campaign.
         skip: ids to leave out (those in the fit).
         states: whether effects with states of their own are looked at.
+        learned: whether laws are, those that have a support.
     """
     missing: dict[str, str] = {}
     every: list[Variant] = []
-    for effect in setting.layout.effects:
+    effects = [e for e in setting.layout.effects if not isinstance(e, AnyLaw)]
+    if learned:
+        effects += [law for id, law in laws().items() if id in setting.supports]
+    for effect in effects:
         reason = why_not(effect, setting)
         if effect.id in skip or (effect.n_states and not states):
             continue
         if reason:
-            missing[effect.id] = reason
+            if not isinstance(effect, Law):
+                missing[effect.id] = reason
         else:
             every += variants(effect, setting)
     base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
@@ -180,7 +197,8 @@ def screen(fit: Fit, setting: Setting, skip: Sequence[str] = (), states: bool = 
     for variant, rows in order:
         Ve, s = V[rows, rows], total[rows]
         limits = _limits(fit, variant)
-        estimate, drop, unbounded = predicted_drop(limits, Ve, s)
+        known = Ve + prior_information(fit, variant)
+        estimate, drop, unbounded = predicted_drop(limits, known, s)
         scored.append(
             Scored(
                 variant, drop, unbounded, estimate, Ve, by_block[:, rows],
@@ -196,6 +214,17 @@ def _limits(fit: Fit, variant: Variant) -> np.ndarray:
     """Bounds (q, 2) of an effect's amplitudes, as a fit of them has them."""
     specs = [parameter(fit.problem, u) for u in variant.unknowns]
     return np.array([(s.lower, s.upper) for s in specs]).reshape(-1, 2)
+
+
+def prior_information(fit: Fit, variant: Variant) -> np.ndarray:
+    """What is known (q, q) of a law's coefficients before any data: that it is smooth.
+
+    Zero for an effect of the catalogue, whose amplitudes the data alone decide here.
+    """
+    if not isinstance(variant.effect, Law):
+        return np.zeros((len(variant.unknowns), len(variant.unknowns)))
+    sd = [WIDE * parameter(fit.problem, u).typical for u in variant.unknowns]
+    return np.diag(1.0 / np.square(sd))
 
 
 def predicted_drop(

@@ -5,15 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.effects import catalogue
+from tp_jax.effects import Law, catalogue
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
 from tp_jax.gap import detectability
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.choice import Choice
+from tp_jax.gap.directions import Variant
 from tp_jax.gap.experiment import propose
 from tp_jax.gap.held_out import Shrink, evaluate, shrink
+from tp_jax.gap.law_curve import curve_of
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit, removable
 from tp_jax.gap.screen import Scored
@@ -62,6 +64,7 @@ def causes(
         out.append(
             {
                 "effect": v.effect.id,
+                "kind": "learned" if isinstance(v.effect, Law) else "catalogue",
                 "location": v.effect.location,
                 "channel": v.effect.channel,
                 "probability": probabilities.get(v.effect.id, 0.0),
@@ -70,8 +73,15 @@ def causes(
                 "remedy": v.effect.remedy,
                 "by_hand": v.effect.by_hand,
             }
+            | (_curve(setting, final, v) if isinstance(v.effect, Law) else {})
         )  # fmt: skip
     return out
+
+
+def _curve(setting: Setting, final: Refit, v: Variant) -> dict[str, Any]:
+    """What a learned cause has beside the others: its curve, and a short formula for it."""
+    found = curve_of(setting, final.fit, v)
+    return {"formula": found.pop("formula"), "curve": found}
 
 
 def _unit(effect, name: str) -> str:
@@ -144,7 +154,7 @@ def detectable(choice: Choice) -> dict[str, dict | None]:
     out: dict[str, dict | None] = {}
     tests = max(len(first.screen.best()), 1)
     for s in [*last.screen.best(), *first.screen.best()]:
-        if s.id in out:
+        if s.id in out or isinstance(s.variant.effect, Law):
             continue
         inflation = last.before.chi2_dof
         value = detectability.minimum_detectable(s, tests, inflation)

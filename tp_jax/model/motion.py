@@ -24,12 +24,15 @@ class Motion:
         a1, a2: accelerations [rad/s^2], the derivatives of v1 and v2; set only where the sensors
             are evaluated.
         z: tuple of the effects' own states.
+        hook: quantity that is added to, while an effect is asked.
+        wound: f - phi1 of the drive without its effects [rad]; curve: value of a law, once asked.
     """
 
     __slots__ = (
         "A", "B1", "B2", "M1", "Ts1", "a1", "a2", "bearing", "bearing_dry", "bearing_viscous",
-        "contact", "contact_dry", "contact_viscous", "d", "f", "f_rate", "k", "later", "phi1",
-        "phi2", "s", "sign1", "sign2", "spring", "t", "theta", "v1", "v2", "z",
+        "contact", "contact_dry", "contact_viscous", "curve", "d", "f", "f_rate", "hook", "k",
+        "later", "phi1", "phi2", "s", "sign1", "sign2", "spring", "t", "theta", "v1", "v2",
+        "wound", "z",
     )  # fmt: skip
 
     def __init__(self, **values: Any):

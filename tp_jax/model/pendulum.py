@@ -69,7 +69,10 @@ class AbstractTorsionPendulum(eqx.Module):
         m.theta = self.drive.phase(t)
         m.theta = m.theta + self._sum("phase", m)
         m.later = lambda a: self.drive.later(t, a)
-        m.f = self.drive.angle(t, m.theta) + self._sum("drive", m)
+        m.k = self.spring.k
+        f = self.drive.angle(t, m.theta)
+        m.wound = f - phi1
+        m.f = f + self._sum("drive", m)
         return m
 
     def _column_motion(self, t: Array, y: tuple) -> Motion:
@@ -79,7 +82,6 @@ class AbstractTorsionPendulum(eqx.Module):
         v1 = m.v1
         m.f_rate = lambda: jax.jvp(lambda t: self._driven(t, y).f, (t,), (jnp.ones_like(t),))[1]
         m.d = m.f - m.phi1
-        m.k = self.spring.k
         m.spring = self.spring.torque(m.d + self.drive.rest) + self._sum("spring", m)
         m.M1 = self.bearing.M1
         m.sign1 = smooth_sign(v1, self.bearing.eps)
@@ -94,7 +96,8 @@ class AbstractTorsionPendulum(eqx.Module):
         total, offset = 0.0, 0
         states = m.z
         for term in self.terms:
-            if term.hook == hook:
+            if hook in term.hooks:
+                m.hook = hook
                 m.z = states[offset : offset + term.n_states]
                 total = total + term.increment(m)
             offset += term.n_states

@@ -75,6 +75,17 @@ def where(diagnosis: Mapping[str, Any]) -> str:
     )
 
 
+def law(diagnosis: Mapping[str, Any], index: int) -> str:
+    """Of the curve of a learned cause."""
+    cause = figures.law.shown(diagnosis)[index]
+    formula = reading.text(cause, "formula")
+    said = f"Within its band it is {formula}." if formula else "No short formula stays in its band."
+    return (
+        f"The curve that was learned: {words.effect(reading.text(cause, 'effect'))}. {said} Below, "
+        "how often the fitted recordings were there; beyond, nothing is known of the curve."
+    )
+
+
 def candidates(diagnosis: Mapping[str, Any]) -> str:
     """Of the candidates' bars."""
     caption = (

@@ -11,7 +11,9 @@ from tp_jax.report.pictures import Picture
 #: Where they lie, beside the report.
 FOLDER = "figures"
 
-_OURS = re.compile(r"(first|gap|where|candidates|moved|state-map|run-\d+|residuals-\d+)\.(png|svg)")
+_OURS = re.compile(
+    r"(first|gap|where|candidates|moved|state-map|run-\d+|residuals-\d+|law-\d+)\.(png|svg)"
+)
 
 
 def write_figures(drawn: Sequence[Picture], folder: Path) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tp_jax.report import captions, reading, style
-from tp_jax.report.figures import candidates, free_run, gap, moved, residuals, state_map, where
+from tp_jax.report.figures import candidates, free_run, gap, law, moved, residuals, state_map, where
 from tp_jax.report.figures.curves import drawable
 
 if TYPE_CHECKING:
@@ -33,13 +33,14 @@ class Pictures(NamedTuple):
     windows: list[Picture]
     state_map: Picture | None
     places: Picture | None
+    laws: list[Picture]
     bars: Picture | None
     moved: Picture | None
 
     def every(self) -> list[Picture]:
         """One after the other, as in the page."""
-        found = (self.first, *self.runs, *self.windows, self.state_map, self.places, self.bars,
-                 self.moved)  # fmt: skip
+        found = (self.first, *self.runs, *self.windows, self.state_map, self.places, *self.laws,
+                 self.bars, self.moved)  # fmt: skip
         return [one for one in found if one is not None]
 
 
@@ -51,6 +52,7 @@ def pictures(diagnosis: Mapping[str, Any]) -> Pictures:
         windows(diagnosis),
         over_states(diagnosis),
         places(diagnosis),
+        learned(diagnosis),
         bars(diagnosis),
         shifts(diagnosis),
     )
@@ -133,6 +135,19 @@ def places(diagnosis: Mapping[str, Any]) -> Picture | None:
     if reading.verdict(diagnosis) == "unknown" or len(where.shown(diagnosis)) < 2:
         return None
     return _where(diagnosis, style.WIDE, "where")
+
+
+def learned(diagnosis: Mapping[str, Any]) -> list[Picture]:
+    """Curves of causes that nobody wrote down."""
+    found = [
+        picture(
+            lambda width, i=i: law.draw(diagnosis, i, width),
+            f"law-{i + 1}",
+            captions.law(diagnosis, i),
+        )
+        for i in range(len(law.shown(diagnosis)))
+    ]
+    return [drawn for drawn in found if drawn is not None]
 
 
 def bars(diagnosis: Mapping[str, Any]) -> Picture | None:

@@ -9,6 +9,7 @@ from tp_jax.report.formatting import (
     angle,
     angles,
     estimate,
+    number,
     p_value,
     percent,
     percents,
@@ -251,7 +252,17 @@ def _left(diagnosis: Mapping[str, Any]) -> str:
 
 
 def sizes(cause: Mapping[str, Any]) -> list[str]:
-    """The parameters of a cause, as `strength 0.580 (95 % interval 0.550 to 0.610)`."""
+    """The parameters of a cause, as `strength 0.580 (95 % interval 0.550 to 0.610)`.
+
+    Of a learned law its curve: twelve coefficients tell nobody anything.
+    """
+    curve = reading.table(cause, "curve")
+    if isinstance(curve.get("y"), list) and curve["y"]:
+        low, high = min(curve["y"]), max(curve["y"])
+        of = unit(reading.text(curve, "y_unit"))
+        formula = reading.text(cause, "formula")
+        said = [f"a curve from {number(low)} to {number(high)} {of}".rstrip()]
+        return [*said, f"as {formula}"] if formula else said
     said = []
     for name, entry in reading.table(cause, "parameters").items():
         entry = reading.table(entry)

@@ -51,6 +51,29 @@ EFFECTS = {
     "spring_relaxation": "the spring's stiffness drifts within a recording",
 }
 
+#: Place of a law that was learned, to a noun; see `tp_jax.effects.laws`.
+LAW_PLACES = {
+    "bearing_dry": "the bearing's dry friction",
+    "column": "a torque on the column",
+    "contact_dry": "the contact's dry friction",
+    "drive": "the drive's angle",
+    "sensor1": "the error of sensor 1",
+    "sensor2": "the error of sensor 2",
+    "spring": "the spring's torque",
+}
+
+#: Argument of such a law, to a noun.
+LAW_ARGUMENTS = {
+    "d": "how far the spring is wound",
+    "load": "the spring's load",
+    "phi1": "the column's angle",
+    "phi2": "the rider's angle",
+    "t": "the time within a recording",
+    "theta": "the motor's phase",
+    "v1": "the column's speed",
+    "v2": "the speed of sliding",
+}
+
 #: Location in the rig to a noun.
 LOCATIONS = {
     "base": "the base",
@@ -91,6 +114,10 @@ def clause(name: str) -> str:
     """What an effect does, as a clause; "" where nobody has said."""
     if name in EFFECTS:
         return EFFECTS[name]
+    place, _, argument = name.partition(".")
+    if place in LAW_PLACES and argument in LAW_ARGUMENTS:
+        over = LAW_ARGUMENTS[argument]
+        return f"{LAW_PLACES[place]} changes with {over}, along a curve that no formula here gives"
     effects = sys.modules.get("tp_jax.effects")  # a report of what was diagnosed before needs none
     own = None if effects is None else effects.catalogue().get(name)
     return "" if own is None else own.says

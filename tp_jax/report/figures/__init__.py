@@ -8,6 +8,7 @@ loaded when the first figure is drawn.
 from tp_jax.report.figures import candidates as candidates
 from tp_jax.report.figures import free_run as free_run
 from tp_jax.report.figures import gap as gap
+from tp_jax.report.figures import law as law
 from tp_jax.report.figures import moved as moved
 from tp_jax.report.figures import residuals as residuals
 from tp_jax.report.figures import state_map as state_map

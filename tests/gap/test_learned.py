@@ -1,0 +1,33 @@
+"""Laws that nobody wrote down: what ranks them."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from tp_jax.gap.learned import log_evidence
+
+RNG = np.random.default_rng(3)
+
+
+def test_log_evidence_is_a_ratio_of_densities():
+    """Readings with Gaussian amplitudes, against readings of noise alone."""
+    columns = RNG.normal(size=(40, 5))
+    sd = 1.0 / np.arange(1, 6)
+    y = columns @ (sd * RNG.normal(size=5)) + RNG.normal(size=40)
+    with_them = stats.multivariate_normal(cov=np.eye(40) + (columns * sd**2) @ columns.T)
+    expected = with_them.logpdf(y) - stats.norm.logpdf(y).sum()
+    score, V = -columns.T @ y, columns.T @ columns
+    found = log_evidence(score, V, np.diag(1.0 / sd**2))
+    assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_columns_that_say_nothing_have_no_evidence():
+    found = log_evidence(np.zeros(3), np.zeros((3, 3)), np.eye(3))
+    assert found == pytest.approx(0.0, abs=1e-12)
+
+
+def test_twelve_numbers_are_charged_for_what_they_could_have_taken():
+    """Of noise alone, a curve takes twelve variances and has less evidence than nothing."""
+    V = np.diag(np.full(12, 1e4))
+    found = [log_evidence(100.0 * RNG.normal(size=12), V, np.eye(12)) for _ in range(50)]
+    assert max(found) < 0.0

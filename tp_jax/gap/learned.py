@@ -1,0 +1,181 @@
+"""Laws that nobody wrote down, asked for where no formula of the catalogue explains the gap.
+
+A law is a curve at a place over one quantity (`tp_jax.effects.laws`); its coefficients have a prior
+that makes it smooth. All laws are screened from one linearisation, where their log evidence with
+that prior ranks them: a curve of twelve numbers always takes something, and evidence charges for
+what it could have taken. The best are refitted, alone and beside the causes that were found, and
+have to pass what a cause has to pass: a fall of the left-out sum of squares, a confirmation by
+recordings left out. A law alone that does better than the formulas replaces them: the nearest
+formula is not the cause.
+"""
+
+import dataclasses
+import logging
+from collections.abc import Callable
+
+import numpy as np
+
+from tp_jax.effects import AnyLaw, Law
+from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.blocks import blocks_of
+from tp_jax.estimation.fitted import Fit
+from tp_jax.gap.choice import Choice, Round, choose, confirmed, looked_at, misfits, tried
+from tp_jax.gap.confirmation import Confirmation
+from tp_jax.gap.crossvalidation import gain, left_out_cost
+from tp_jax.gap.earning import earned
+from tp_jax.gap.policy import POLICY, LearningPolicy
+from tp_jax.gap.refit import Refit, lengthened, polish, regrown, removable, sharper
+from tp_jax.gap.screen import Scored, Screen, prior_information, screen
+from tp_jax.gap.visited import with_supports
+
+log = logging.getLogger(__name__)
+
+Progress = Callable[[str, float | None], None]
+
+
+def choose_or_learn(
+    setting: Setting, baseline: Fit, seed: int, progress: Progress, known: Refit | None = None
+) -> Choice:
+    """The causes of `choose`; where they leave structure, laws are tried too.
+
+    Args:
+        setting, baseline, seed, progress, known: see `choose`.
+    """
+    choice = choose(setting, baseline, seed, progress, known)
+    if not unexplained(setting, choice):
+        return choice
+    return _with_law(setting, choice, seed, progress, known) or choice
+
+
+def unexplained(setting: Setting, choice: Choice, policy: LearningPolicy = POLICY.learning) -> bool:
+    """Whether so much more than noise is left that a curve could be told from it."""
+    final = choice.final.fit
+    least = policy.deviance * max(final.chi2_dof, 1.0)
+    if removable(final) < max(least, policy.chance * np.sqrt(2.0 * final.dof)):
+        return False
+    return choice.structure.p < POLICY.structure.seen or misfits(setting, final)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Trial:
+    """A law that was refitted: beside `base`, seen from `seen`; gain over `base`."""
+
+    result: Refit
+    base: Refit
+    round: Round
+    gain: tuple[float, float]
+
+
+def _with_law(
+    setting: Setting, choice: Choice, seed: int, progress: Progress, known: Refit | None
+) -> Choice | None:
+    """The choice with the law that does best, or None."""
+    first, last = choice.rounds[0], choice.rounds[-1]
+    setting = with_supports(setting, first.searched)
+    trials = _tried(setting, first, Refit(first.searched, ()), progress, known)
+    if choice.final.ids:
+        beside = Refit(last.searched, choice.final.variants)
+        trials += _tried(setting, last, beside, progress, known)
+    formulas = left_out_cost(last.searched)
+    for trial in sorted(trials, key=lambda t: left_out_cost(t.result.fit).sum()):
+        result, law = trial.result, trial.result.ids[-1]
+        block = blocks_of(result.fit, setting)
+        if not earned(*trial.gain, max(removable(trial.base.fit), 0.0), result):
+            continue
+        better = gain(formulas, left_out_cost(result.fit), block)
+        if not earned(*better, max(removable(last.searched), 0.0), result):
+            continue
+        progress(f"predicting left-out recordings: {law}", None)
+        answer = (
+            confirmed(setting, trial.base, result, {})
+            if result.fit.converged
+            else Confirmation(False, 0.0, 0.0, 1.0, "its fit does not come to an end")
+        )
+        log.info("%s: gain %.4g +- %.3g, %s", law, *trial.gain, answer)
+        if answer.confirmed:
+            return _taken(setting, choice, trial, answer, seed, progress)
+    return None
+
+
+def _tried(
+    setting: Setting, r: Round, base: Refit, progress: Progress, known: Refit | None
+) -> list[_Trial]:
+    """The laws with the largest evidence, refitted beside what is in a model."""
+    progress("screening laws that nobody wrote down", None)
+    seen = screen(r.before, setting, skip=base.ids, states=not base.ids, learned=True)
+    ranked = sorted(
+        (s for s in seen.scored if isinstance(s.variant.effect, Law)),
+        key=lambda s: -_evidence(r.before, s),
+    )
+    reference = left_out_cost(base.fit)
+    chance = POLICY.learning.chance * np.sqrt(2.0 * base.fit.dof)
+    out: list[_Trial] = []
+    for i, s in enumerate(ranked[: POLICY.learning.refitted]):
+        progress(f"refitting a curve: {s.id}", i / POLICY.learning.refitted)
+        base.fit.problem.programs.add({*base.ids, AnyLaw.id})
+        trial = tried(setting, base, s, known)
+        if removable(trial.fit) > chance:
+            trial = regrown(setting, base.fit, trial)
+        trial = polish(setting, trial)
+        found = gain(reference, left_out_cost(trial.fit), blocks_of(trial.fit, setting))
+        out.append(_Trial(trial, base, _beside(r, seen, trial, s), found))
+        log.info("%s: log evidence %.4g, left-out gain %.4g +- %.3g",
+                 "+".join(trial.ids), _evidence(r.before, s), *found)  # fmt: skip
+        if removable(trial.fit) < chance:
+            break
+    return out
+
+
+def log_evidence(score: np.ndarray, V: np.ndarray, prior: np.ndarray) -> float:
+    """Of columns with Gaussian amplitudes against nothing: ½ s'(V + P)⁻¹ s − ½ log|1 + V P⁻¹|.
+
+    Args:
+        score, V: (q,), (q, q) efficient score and information, in units of the noise.
+        prior: (q, q) diagonal; information P that is there before any data.
+    """
+    scale = 1.0 / np.sqrt(np.diag(prior))
+    # in units of the prior's standard deviations, in which the prior is a unit matrix
+    value, vector = np.linalg.eigh(V * np.outer(scale, scale))
+    value = np.maximum(value, 0.0)
+    along = vector.T @ (scale * score)
+    return float(0.5 * np.sum(along**2 / (value + 1.0) - np.log1p(value)))
+
+
+def _evidence(fit: Fit, s: Scored) -> float:
+    """The same of a law that was screened.
+
+    All is divided by the fit's misfit, which is that of a model without the law and so too large:
+    evidence is then too small for all laws alike.
+    """
+    misfit = max(fit.chi2_dof, 1.0)
+    score = s.blocks.sum(axis=0)
+    return log_evidence(score / misfit, s.V / misfit, prior_information(fit, s.variant))
+
+
+def _beside(r: Round, seen: Screen, trial: Refit, scored: Scored) -> Round:
+    """A round that has looked at a law as well."""
+    return dataclasses.replace(r, screen=seen, refits={**r.refits, scored.id: trial})
+
+
+def _taken(
+    setting: Setting, choice: Choice, trial: _Trial, answer: Confirmation, seed: int,
+    progress: Progress,
+) -> Choice:  # fmt: skip
+    """The choice in which a law is the last cause."""
+    law, polished = trial.result.ids[-1], trial.result
+    if polished.fit.chi2_dof < POLICY.horizon.below:
+        progress("longer windows", None)
+        polished = lengthened(setting, polished, POLICY.horizon.factor)
+    progress("sharpening the friction", None)
+    sharp = sharper(setting, polished)
+    before, seen, structure = looked_at(setting, polished, sharp, seed)
+    r = dataclasses.replace(
+        trial.round,
+        gains={**trial.round.gains, law: trial.gain},
+        confirmations={**trial.round.confirmations, law: answer},
+        taken=law,
+    )
+    # a law alone is what the first round should have found; one beside causes is a round more
+    earlier = choice.rounds[:-1] if trial.base.ids else ()
+    end = Round(before, polished.fit, seen, structure, {}, {}, None)
+    return dataclasses.replace(choice, rounds=(*earlier, r, end), final=sharp)
