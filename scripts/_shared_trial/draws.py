@@ -11,7 +11,7 @@ import numpy as np
 
 from tp_jax.gap.detectability import FAMILY_WISE, TIED, needed_noncentrality
 from tp_jax.gap.shared.pooling import cosine, pool
-from tp_jax.gap.shared.scores import Key, RigScores
+from tp_jax.gap.shared.scores import Key, RigScores, ScoredVariant
 from tp_jax.gap.shared.selection import KIND, shared_effects
 from tp_jax.gap.structure import roots
 
@@ -97,14 +97,17 @@ def drawn_fleet(rigs: Sequence[RigScores], effect: str, number: int) -> list[Rig
 
 def _own(rig: RigScores, rng: np.random.Generator) -> tuple[Key, np.ndarray]:
     """Any effect that a rig can show, well beyond the detectable size."""
-    ids = sorted(
-        {v.effect for v in rig.variants if np.trace(rig.information[v.columns, v.columns])}
-    )
+    ids = sorted({v.effect for v in rig.variants if _shown(rig, v)})
     id = ids[int(rng.integers(len(ids)))]
-    keys = [v.key for v in rig.variants if v.effect == id]
+    keys = [v.key for v in rig.variants if v.effect == id and _shown(rig, v)]
     key = keys[int(rng.integers(len(keys)))]
     multiple = MULTIPLES[0] * (MULTIPLES[1] / MULTIPLES[0]) ** rng.random()
     return key, multiple / PART * half_detectable([rig], key, rng)
+
+
+def _shown(rig: RigScores, variant: ScoredVariant) -> bool:
+    """Whether the rig can tell anything of all of an effect's amplitudes."""
+    return bool(np.all(np.diag(rig.information)[variant.columns] > 0.0))
 
 
 def _with_scores(
