@@ -4,6 +4,10 @@ import datetime
 import os
 import platform
 from collections.abc import Iterable
+from pathlib import Path
+
+from tp_jax._files import bytes_of, replaced
+from tp_jax.errors import InputError
 
 
 def row(cells: Iterable[object]) -> str:
@@ -29,3 +33,20 @@ def circumstances(seed: int) -> str:
         f"{platform.system()}; JAX on {jax.default_backend()}; Python "
         f"{platform.python_version()}, JAX {jax.__version__}, tp-jax {__version__}; seed {seed}."
     )
+
+
+def put_into(page: Path, study: str, told: str) -> None:
+    """Puts what a study tells between its two lines of a page: `<!-- STUDY: begin -->` and `end`.
+
+    Raises:
+        InputError: the page lacks one of the lines.
+        OSError: it cannot be read or replaced.
+    """
+    first, last = f"<!-- {study}: begin -->", f"<!-- {study}: end -->"
+    before, begin, rest = bytes_of(page).decode("utf-8").partition(first)
+    _, end, after = rest.partition(last)
+    if not begin or not end:
+        raise InputError(f"{page} lacks the line {last if begin else first}; add it.")
+    text = f"{before}{first}\n\n{told}\n\n{last}{after}"
+    with replaced(page) as part:
+        part.write_text(text, encoding="utf-8", newline="\n")

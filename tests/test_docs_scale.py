@@ -13,6 +13,8 @@ import pytest
 from tp_jax.cli import build_parser
 from tp_jax.executors import KINDS
 from tp_jax.executors.pieces import MOST_DEATHS
+from tp_jax.gap.detectability import TIED
+from tp_jax.gap.policy import POLICY
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")
@@ -43,10 +45,25 @@ def test_its_commands_can_be_typed():
         words = shlex.split(line, comments=True)
         argv = words[words.index("tp-jax") + 1 :]
         assert build_parser().parse_args(argv).campaign
-    assert len(lines) == 5
+    assert len(lines) == 7
 
 
 def test_it_has_a_row_for_each_executor():
     assert re.findall(r"^\| `(\w+)` \|", PAGE, re.MULTILINE) == list(KINDS)
     assert MOST_DEATHS == 5
     assert "five workers have died" in PAGE
+
+
+def test_it_has_the_numbers_that_decide_what_rigs_share():
+    shared, text = POLICY.shared, " ".join(PAGE.split())
+    assert f"larger with probability below {shared.level:g}." in text
+    assert f"does not reject at {shared.differ:g}, " in text
+    assert f"({shared.near:g} nat of −log p)" in text
+    assert f"(|cos| above {TIED:g})" in text
+    assert f"(|cos| above {shared.alike:g})" in text
+    assert shared.rigs == 3
+    assert "at least three rigs" in text
+    assert (shared.spread, shared.kept, shared.least) == (0.5, 0.5, 0.05)
+    assert "less than half of the mean" in text
+    assert "half of the reduction" in text
+    assert "less than a twentieth" in text

@@ -7,6 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
+SMALL = 1e-200
+"""A probability below which a series takes over, well before numbers underflow."""
+
 
 def normal(z: ArrayLike) -> np.ndarray:
     """Probability that a standard normal exceeds z."""
@@ -41,3 +44,17 @@ def fisher(F: ArrayLike, dof: ArrayLike, below: ArrayLike) -> np.ndarray:
 def student_level(p: ArrayLike, dof: ArrayLike) -> np.ndarray:
     """What Student's t exceeds with probability p."""
     return -special.stdtrit(dof, p)
+
+
+def log_chi_square(x: ArrayLike, dof: ArrayLike) -> np.ndarray:
+    """Natural logarithm of the probability that chi squared exceeds x, however small that is."""
+    half, shape = 0.5 * np.asarray(x, dtype=float), 0.5 * np.asarray(dof, dtype=float)
+    p = special.gammaincc(shape, half)
+    # Abramowitz and Stegun 6.5.32, where p underflows
+    far = np.maximum(half, 1.0)
+    series = 1.0 + (shape - 1.0) / far * (1.0 + (shape - 2.0) / far)
+    log = -half + (shape - 1.0) * np.log(far) - special.gammaln(shape)
+    small = p < SMALL
+    return np.where(
+        small, log + np.log(np.where(small, series, 1.0)), np.log(np.where(small, 1.0, p))
+    )

@@ -6,13 +6,19 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from scripts._evidence import screens
 from scripts._evidence.screens import Saved, Variant
 from tp_jax.executors import ExecutorChoice, Piece, run_pieces
+
+if TYPE_CHECKING:
+    from tp_jax.estimation.baseline import Setting
+    from tp_jax.estimation.fitted import Fit
+    from tp_jax.gap.screen import Screen
+    from tp_jax.gap.structure import Structure
 
 SEED = 38
 """Of the study; no choice of the diagnosis was made on its rigs."""
@@ -126,19 +132,13 @@ def save(folder: Path, number: int, rigs: str) -> float:
     return spent
 
 
-def look(campaign: Path) -> Saved:
-    """The first screen of a campaign's diagnosis; `facts` are those that it tells itself."""
+def first_screen(campaign: Path) -> tuple["Setting", "Fit", "Screen", "Structure"]:
+    """A campaign as the first round of its diagnosis sees it."""
     from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
-    from tp_jax.estimation.fitted import parameter
     from tp_jax.gap.choice import looked_at
-    from tp_jax.gap.free_structure import free_scores, free_structure
-    from tp_jax.gap.free_torques import free_columns
-    from tp_jax.gap.held_out import floor_error
     from tp_jax.gap.known_noise import with_noise_of
     from tp_jax.gap.policy import POLICY
     from tp_jax.gap.refit import Refit, sharper
-    from tp_jax.gap.structure import scores_of_noise
-    from tp_jax.gap.verdict import combined
     from tp_jax.recordings import hold_out, load_campaign
 
     setting = prepare_campaign(hold_out(load_campaign(campaign)))
@@ -147,6 +147,19 @@ def look(campaign: Path) -> Saved:
         setting, baseline = with_noise_of(setting, baseline, baseline)
     current = Refit(baseline, ())
     fit, seen, structure = looked_at(setting, current, sharper(setting, current), SEED_OF_DRAWS)
+    return setting, fit, seen, structure
+
+
+def look(campaign: Path) -> Saved:
+    """The first screen of a campaign's diagnosis; `facts` are those that it tells itself."""
+    from tp_jax.estimation.fitted import parameter
+    from tp_jax.gap.free_structure import free_scores, free_structure
+    from tp_jax.gap.free_torques import free_columns
+    from tp_jax.gap.held_out import floor_error
+    from tp_jax.gap.structure import scores_of_noise
+    from tp_jax.gap.verdict import combined
+
+    setting, fit, seen, structure = first_screen(campaign)
     free_p = free_structure(setting, fit).p
     error = floor_error(setting)
     excess = float((fit.chi2_dof - 1.0) / np.hypot(error, np.sqrt(2.0 / max(fit.dof, 1))))

@@ -2,12 +2,13 @@
 
 import json
 import os
+import shutil
 import time
 from pathlib import Path
 from typing import Any
 
 from tests.report.conftest import KINDS
-from tp_jax.cli.diagnosed import FITS, REPORT, RESULT
+from tp_jax.cli.diagnosed import FITS, REPORT, RESULT, SCREEN
 from tp_jax.cli.fleet import Rig
 from tp_jax.errors import InputError
 from tp_jax.report.fleet.rows import row
@@ -17,7 +18,10 @@ CPU_S = 0.1
 
 
 def diagnose_rig(rig: Rig) -> dict[str, Any]:
-    """The saved diagnosis whose kind the campaign's folder names before its first dash."""
+    """The saved diagnosis whose kind the campaign's folder names before its first dash.
+
+    Scores of its screen are those that the campaign's folder holds, if any.
+    """
     with (rig.campaign / "begun.txt").open("a") as file:
         file.write(f"{os.getpid()}\n")
     until = time.process_time() + CPU_S
@@ -33,6 +37,8 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
     (rig.folder / FITS).unlink(missing_ok=True)
     (rig.folder / RESULT).write_text(json.dumps(diagnosis), encoding="utf-8")
     (rig.folder / REPORT).write_text("<!DOCTYPE html><title>report</title>", encoding="utf-8")
+    if (rig.campaign / SCREEN).is_file():
+        shutil.copy(rig.campaign / SCREEN, rig.folder / SCREEN)
     return row(rig.name, diagnosis, f"{rig.folder.name}/{REPORT}")
 
 

@@ -5,7 +5,7 @@ import types
 import numpy as np
 import pytest
 
-from tp_jax.gap.screen import Scored, Screen, _predicted
+from tp_jax.gap.screen import Scored, Screen, predicted_drop
 
 
 def screen_of(V: np.ndarray, score: np.ndarray, *limits: tuple[float, float]) -> Screen:
@@ -14,7 +14,7 @@ def screen_of(V: np.ndarray, score: np.ndarray, *limits: tuple[float, float]) ->
     for i in range(score.size):
         rows = slice(i, i + 1)
         bounds = np.array([limits[i] if limits else (-np.inf, np.inf)])
-        estimate, drop, unbounded = _predicted(bounds, V[rows, rows], score[rows])
+        estimate, drop, unbounded = predicted_drop(bounds, V[rows, rows], score[rows])
         variant = types.SimpleNamespace(effect=types.SimpleNamespace(id=f"e{i}"))
         scored.append(
             Scored(

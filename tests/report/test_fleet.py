@@ -12,6 +12,7 @@ from tests.report.conftest import KINDS
 from tp_jax.report.fleet.files import csv_text, write_parquet
 from tp_jax.report.fleet.page import render
 from tp_jax.report.fleet.rows import COLUMNS, by_cause, counts, failed, in_order, row
+from tp_jax.report.fleet.shared import told as of_shared
 from tp_jax.report.fleet.text import summary
 
 SCREENS = {"desk": (1280, 800), "phone": (390, 844)}
@@ -80,6 +81,72 @@ def test_the_terminal_has_a_line_a_rig(rows):
     assert summary([failed("a", "No.")]) == "1 rig: 1 failed\na: No."
 
 
+@pytest.fixture(scope="module")
+def shared():
+    """What rigs share, of every kind."""
+    kind = {
+        "effect": "spring_asymmetry", "location": "spring", "verdict": "kind", "shapes": {},
+        "amplitudes": {"a": {"value": 0.0012, "unit": "1", "ci95": [0.0009, 0.0015]}},
+        "reduction": 60.0, "p": 0.0005, "differ": False,
+        "heterogeneity": {"q": 9.0, "dof": 11, "p": 0.6, "spread": 0.0},
+        "without_largest": {"rig": "<rig>", "reduction": 45.0, "p": 0.0005},
+        "asked_of": 12, "shown_by": [], "by_rig": {}, "confused_with": ["elastic_stop"],
+    }  # fmt: skip
+    own = {
+        **kind, "effect": "contact_wear", "verdict": "own", "differ": True,
+        "shown_by": ["worn"], "confused_with": [],
+        "heterogeneity": {"q": 90.0, "dof": 11, "p": 1e-9, "spread": 2.0},
+    }  # fmt: skip
+    return {
+        "reason": None, "rigs": [f"rig-{i}" for i in range(12)], "left_out": ["torn"],
+        "level": 0.01, "effects": [kind, own], "candidates": [{"effect": "x", "p": 0.4}],
+    }  # fmt: skip
+
+
+def test_what_rigs_share_is_told_in_sentences(shared):
+    found = of_shared(shared)
+    assert found.summary == "The 12 rigs share one effect. torn could not be asked."
+    (kind,), (own,) = found.kind, found.own
+    assert kind.does == "the spring is stiffer in one sense of winding than in the other"
+    assert kind.sentences == (
+        "Its size is a 0.00120 (0.00090 to 0.00150), the same on all 12 rigs that it applies to. "
+        "Noise alone gives as much to any effect with p < 0.001. Without <rig>, which shows most "
+        "of it, 75 % of the evidence is left. No rig shows it alone. The fleet cannot tell it from "
+        "elastic_stop."
+    )
+    assert own.sentences == (
+        "worn shows it, of 12 rigs that it applies to. The rigs do not agree on its size "
+        "(p < 0.001)."
+    )
+    nothing = of_shared({**shared, "effects": [], "left_out": []})
+    assert nothing == (
+        "The 12 rigs share no effect that their recordings show: noise alone gives as much as the "
+        "most likely one, x, with p = 0.40.", [], [],
+    )  # fmt: skip
+    assert of_shared({"reason": "Too few."}) == ("Too few.", [], [])
+    single = {**shared["effects"][1], "differ": False, "shown_by": []}
+    assert of_shared({**shared, "effects": [single]}).own[0].sentences == (
+        "None of the 12 rigs that it applies to shows it alone. Without <rig> too little of the "
+        "evidence is left."
+    )
+
+
+def test_the_terminal_has_the_same_sentences(rows, shared):
+    text = summary(rows, shared)
+    assert text.startswith(summary(rows))
+    assert "\nThe kind's effects: spring_asymmetry, the spring is stiffer" in text
+    assert "\nA rig's own: contact_wear, " in text
+
+
+def test_the_page_says_what_rigs_share(rows, shared):
+    text = render(rows, "rigs", shared=shared)
+    assert "<h2>What the rigs share</h2>" in text
+    assert "<h3>A rig&#39;s own</h3>" in text
+    assert "&lt;rig&gt;" in text
+    assert "<rig>" not in text
+    assert "What the rigs share" not in render(rows, "rigs")
+
+
 def test_names_are_escaped():
     text = render([failed("<script>alert(1)</script>", "a & b")], "<b>", day=None)
     assert "<script>alert" not in text
@@ -94,9 +161,9 @@ def chromium():
 
 
 @pytest.fixture(scope="module")
-def page_file(rows, tmp_path_factory):
+def page_file(rows, shared, tmp_path_factory):
     file = tmp_path_factory.mktemp("fleet") / "fleet.html"
-    file.write_text(render(rows, "rigs"), encoding="utf-8")
+    file.write_text(render(rows, "rigs", shared=shared), encoding="utf-8")
     return file
 
 

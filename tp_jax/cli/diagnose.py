@@ -62,7 +62,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--resume", action="store_true", help="go on from a diagnosis that was broken off"
     )
-    add_executor(parser.add_argument_group("of a fleet"))
+    of_fleet = parser.add_argument_group("of a fleet")
+    of_fleet.add_argument(
+        "--shared", action="store_true",
+        help="ask which effects the rigs share that no rig may show alone; at least three rigs",
+    )  # fmt: skip
+    add_executor(of_fleet)
     add_seed(parser)
     add_json(parser)
     add_progress(parser)
@@ -97,6 +102,8 @@ def run(args: argparse.Namespace) -> int:
     campaigns = fleet.campaigns_of(args.campaign)
     if campaigns is not None:
         return fleet.run(args, campaigns)
+    if args.shared:
+        raise InputError("--shared asks a fleet; give several campaigns, or a folder of them.")
     campaign = load(args, args.campaign[0] if args.campaign else EXAMPLE)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)
     report = folder / REPORT

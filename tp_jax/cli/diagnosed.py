@@ -4,7 +4,7 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tp_jax.cli.output import forget, plain, replaced, write_json
+from tp_jax.cli.output import forget, made_folder, plain, replaced, write_json
 from tp_jax.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 FITS, RESULT, REPORT = "fits.json", "diagnosis.json", "report.html"
 """Fits that are done, until the diagnosis ends; what it leaves."""
+
+SCREEN = "screen.npz"
+"""Scores of all effects, which a fleet keeps of each rig."""
 
 
 def default_folder(name: str) -> Path:
@@ -22,9 +25,14 @@ def default_folder(name: str) -> Path:
 
 def diagnosed(
     campaign: "Campaign", folder: Path, *, seed: int, tolerance: float, figures: bool, resume: bool,
-    progress: Progress,
+    progress: Progress, screen: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
     """Diagnoses a campaign into a folder, which gets diagnosis.json and the report; the result.
+
+    Args:
+        campaign, seed, tolerance, resume, progress: as of `tp.diagnose`.
+        folder: gets the files. figures: whether it gets the report's figures too.
+        screen: whether it gets the scores of all effects, for what the rigs of a fleet share.
 
     Raises:
         InputError: as `tp.diagnose`.
@@ -32,10 +40,14 @@ def diagnosed(
     import tp_jax as tp
 
     kept, report = folder / FITS, folder / REPORT
-    diagnosis = tp.diagnose(
-        campaign, seed=seed, tolerance=tolerance, progress=progress, checkpoint=kept, resume=resume
-    )
-    result = plain(diagnosis.to_dict())
+    asked: dict[str, Any] = {
+        "seed": seed, "tolerance": tolerance, "progress": progress, "checkpoint": kept,
+        "resume": resume,
+    }  # fmt: skip
+    if screen:
+        result = _with_screen(campaign, folder, asked)
+    else:
+        result = plain(tp.diagnose(campaign, **asked).to_dict())
     write_json(folder / RESULT, result)
 
     from tp_jax.report.html import write_report
@@ -44,4 +56,22 @@ def diagnosed(
     with replaced(report) as part:
         write_report(result, part, figures=figures, day=date.today())
     forget(kept)
+    return result
+
+
+def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> dict[str, Any]:
+    """A diagnosis whose first screen is kept; its result."""
+    from tp_jax._config import use_float64
+
+    use_float64()
+
+    from tp_jax.gap.diagnosis import examine
+    from tp_jax.gap.shared.from_screen import rig_scores
+    from tp_jax.gap.shared.scores import write
+
+    examination = examine(campaign, **asked)
+    result = plain(examination.result)
+    causes = [cause["effect"] for cause in result["causes"]]
+    seen = examination.choice.rounds[0].screen
+    write(made_folder(folder) / SCREEN, rig_scores(folder.name, seen, causes, asked["seed"]))
     return result

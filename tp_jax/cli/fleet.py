@@ -8,7 +8,7 @@ import sys
 import time
 import tomllib
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -17,7 +17,7 @@ from typing import Any
 from tp_jax._files import bytes_of
 from tp_jax._version import __version__
 from tp_jax.cli.arguments import executor_of, load
-from tp_jax.cli.diagnosed import FITS, REPORT, default_folder, diagnosed
+from tp_jax.cli.diagnosed import FITS, REPORT, SCREEN, default_folder, diagnosed
 from tp_jax.cli.output import forget, made_folder, ready, write_json, write_text
 from tp_jax.errors import InputError, Notice
 from tp_jax.executors import Ended, Piece, done_before, forget_pieces, run_pieces
@@ -113,7 +113,7 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
         try:
             result = diagnosed(
                 campaign, rig.folder, seed=rig.seed, tolerance=rig.tolerance, figures=rig.figures,
-                resume=resume, progress=silent,
+                resume=resume, progress=silent, screen=True,
             )  # fmt: skip
         except InputError:
             if not resume:  # nothing leads on from there
@@ -148,6 +148,9 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
         forget_pieces(folder, pieces)
         for rig in rigs:
             (rig.folder / FITS).unlink(missing_ok=True)
+    elif args.shared:  # a rig that was diagnosed before there were scores is diagnosed anew
+        bare = zip(rigs, pieces, strict=True)
+        forget_pieces(folder, [p for rig, p in bare if not (rig.folder / SCREEN).is_file()])
     begin = time.perf_counter()
     ended = _ended(args, folder, pieces)
     rows = [_row(each) for each in ended]
@@ -158,24 +161,38 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
 
     rows = in_order(rows)
     known = counts(rows)
+    shared = _shared(rigs, rows, args.seed) if args.shared else None
     result = {
         "schema": SCHEMA, "fleet": name, "rigs": rows, "verdicts": known,
+        **({} if shared is None else {"shared": shared}),
         "provenance": {"version": __version__, "seed": args.seed, "wall_s": round(seconds, 2)},
     }  # fmt: skip
     write_json(folder / TABLE, result)
     write_text(folder / CSV, files.csv_text(rows))
     files.write_parquet(rows, folder / PARQUET)
-    write_text(folder / PAGE, page.render(rows, name, day=date.today()))
+    write_text(folder / PAGE, page.render(rows, name, day=date.today(), shared=shared))
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:
-        print(text.summary(rows))
+        print(text.summary(rows, shared))
         print(f"\nFleet: {folder / PAGE}")
     failures = known[FAILED]
     if failures:
         rigs = f"{failures} of {len(rows)} rigs" if len(rows) > 1 else "The rig"
         print(f"tp-jax: {rigs} could not be diagnosed; {folder / TABLE} says why.", file=sys.stderr)
     return _status(ended)
+
+
+def _shared(rigs: Sequence[Rig], rows: Sequence[Mapping[str, Any]], seed: int) -> dict[str, Any]:
+    """What the rigs share, of the scores that their diagnoses left."""
+    from tp_jax.gap.shared.scores import read
+    from tp_jax.gap.shared.table import shared_table
+    from tp_jax.report.fleet.rows import FAILED
+
+    failed = {row["rig"] for row in rows if row["verdict"] == FAILED}
+    found = {rig.name: None if rig.name in failed else read(rig.folder / SCREEN) for rig in rigs}
+    scores = [each for each in found.values() if each is not None]
+    return shared_table(scores, [name for name, each in found.items() if each is None], seed)
 
 
 def _ended(args: argparse.Namespace, folder: Path, pieces: Sequence[Piece]) -> list[Ended]:

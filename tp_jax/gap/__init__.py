@@ -10,6 +10,7 @@ location, detectability, intervals, experiment, verdict
 tables, assemble            the result, table by table
 diagnosis                   all of it together
 predict                     a run never seen
+shared                      effects that the rigs of a fleet share, from their screens
 forecast, next_run          runs that may come next; which of them tells the causes apart
 """
 

@@ -237,6 +237,46 @@ class ExplorePolicy:
 
 
 @dataclasses.dataclass(frozen=True)
+class SharedPolicy:
+    """When an effect counts as shared by the rigs of a fleet.
+
+    Attributes:
+        level: probability of naming any effect of the catalogue where no rig has one. A fifth of
+            that for a single rig, since a fleet is asked once and all its rigs are mended by it;
+            twelve rigs with half the detectable size are ten times as far from chance.
+        rigs: that an effect must apply to, and a fleet must have: of two that differ nobody knows
+            which is usual.
+        differ: level at which rigs are said to differ in an amplitude, the usual one: where that is
+            wrong, an effect is only not called the kind's; and
+        spread: standard deviation of their amplitudes, over the pooled one, from which that
+            matters: with less, nearly all rigs have the effect with the same sign. Large effects
+            are known so well that their linearisation alone makes them differ.
+        alike: |cos| between an effect and a rig's own cause, on that rig, above which the cause is
+            not projected out of the effect there: about half of what the rig says of the effect
+            would go, and a rig may have named the kind's effect wrongly.
+        kept: part of the reduction that is left without the rig that contributes most, if the
+            effect does not pass without it; of three equal rigs two thirds are left.
+        least: part of the largest reduction below which nothing further is named: linearisations
+            of an effect are not good to a twentieth.
+        near: -log p [nat] by which an effect is at most further from chance than another, for both
+            not to be told apart; odds of nineteen to one.
+        most: effects that are named of one fleet; more are beyond a linearisation at none of them.
+        draws: of scores of noise alone; a p of `level` has a standard error of a fifth of it.
+    """
+
+    level: float = 0.01
+    rigs: int = 3
+    differ: float = 0.05
+    spread: float = 0.5
+    alike: float = 0.7
+    kept: float = 0.5
+    least: float = 0.05
+    near: float = 3.0
+    most: int = 6
+    draws: int = 2000
+
+
+@dataclasses.dataclass(frozen=True)
 class Policy:
     """All of them."""
 
@@ -249,6 +289,7 @@ class Policy:
     horizon: HorizonPolicy = HorizonPolicy()
     learning: LearningPolicy = LearningPolicy()
     explore: ExplorePolicy = ExplorePolicy()
+    shared: SharedPolicy = SharedPolicy()
 
 
 POLICY = Policy()

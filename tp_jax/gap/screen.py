@@ -97,7 +97,7 @@ class Screen:
             for b in ranked[i + 1 :]:
                 rows = np.r_[a.rows, b.rows]
                 V, score = self.information[np.ix_(rows, rows)], self.total[rows]
-                _, drop, _ = _predicted(np.concatenate([a.limits, b.limits]), V, score)
+                _, drop, _ = predicted_drop(np.concatenate([a.limits, b.limits]), V, score)
                 if found is None or drop > found[2]:
                     found = (a, b, drop)
         return found
@@ -197,7 +197,8 @@ def screen(
     for variant, rows in order:
         Ve, s = V[rows, rows], total[rows]
         limits = _limits(fit, variant)
-        estimate, drop, unbounded = _predicted(limits, Ve + prior_information(fit, variant), s)
+        known = Ve + prior_information(fit, variant)
+        estimate, drop, unbounded = predicted_drop(limits, known, s)
         scored.append(
             Scored(
                 variant, drop, unbounded, estimate, Ve, by_block[:, rows],
@@ -226,8 +227,14 @@ def prior_information(fit: Fit, variant: Variant) -> np.ndarray:
     return np.diag(1.0 / np.square(sd))
 
 
-def _predicted(limits: np.ndarray, V: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Amplitudes (q,) within their bounds, the drop that they promise, and that without bounds."""
+def predicted_drop(
+    limits: np.ndarray, V: np.ndarray, s: np.ndarray
+) -> tuple[np.ndarray, float, float]:
+    """Amplitudes (q,) within their bounds, the drop that they promise, and that without bounds.
+
+    Args:
+        limits: (q, 2) bounds. V: (q, q) efficient information. s: (q,) efficient score.
+    """
     inverse = pseudo_inverse(V)
     estimate, unbounded = -inverse @ s, float(s @ inverse @ s)
     low, high = limits.T

@@ -52,11 +52,7 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     """
     if not seen.scored:
         return Structure(1.0, np.ones(0), 0)
-    V = seen.information_by_block
-    forms = _Forms([_Form(V[:, s.rows, s.rows]) for s in seen.scored], seen)
-    blocks = np.zeros(V.shape[:2])
-    for s in seen.scored:
-        blocks[: len(s.blocks), s.rows] = s.blocks
+    blocks, forms = _observed(seen)
     observed = _statistics(blocks[:, :, None], forms)[:, 0]
     largest = np.concatenate(
         [_statistics(drawn, forms).max(axis=0) for drawn in scores_of_noise(seen, seed)]
@@ -72,7 +68,7 @@ def scores_of_noise(seen: Screen, seed: int) -> Iterator[np.ndarray]:
         seen: what a screen found. With coarse readings there are `OF_ROUNDING` draws.
         seed: of the draws.
     """
-    root = _roots(seen.by_block)
+    root = roots(seen.by_block)
     rng = np.random.default_rng(seed)
     draws = DRAWS if seen.rounding is None else OF_ROUNDING
     for _ in range(draws // CHUNK):
@@ -90,8 +86,8 @@ def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarr
     return both[:, :n] - seen.by_block[:, :n, n:] @ step
 
 
-def _roots(V: np.ndarray) -> np.ndarray:
-    """Matrices whose squares are the blocks' covariances (B, E, E).
+def roots(V: np.ndarray) -> np.ndarray:
+    """Matrices (B, E, E) whose squares are covariances V (B, E, E), those of blocks for instance.
 
     Of correlations, scaled back: where one effect tells a billion times as much as another, in
     whatever unit, rounding would else give the other scores that it never has.
@@ -140,6 +136,41 @@ class _Forms:
         self.count = np.array([f.count for f in forms])[:, None]
 
 
+def dispersions(seen: Screen) -> np.ndarray:
+    """phi of every scored variant (variants,): scatter of the blocks' scores over the noise's."""
+    if not seen.scored:
+        return np.ones(0)
+    blocks, forms = _observed(seen)
+    spread = np.zeros((len(forms.rank), 1))
+    for which, columns, _, whiten in forms.alike:
+        spread[which] = _spread(blocks[:, :, None], columns, whiten)
+    return _phi(spread, forms.count)[:, 0]
+
+
+def _observed(seen: Screen) -> tuple[np.ndarray, "_Forms"]:
+    """Scores (B, E) by block, and what is needed of the information."""
+    V = seen.information_by_block
+    forms = _Forms([_Form(V[:, s.rows, s.rows]) for s in seen.scored], seen)
+    blocks = np.zeros(V.shape[:2])
+    for s in seen.scored:
+        blocks[: len(s.blocks), s.rows] = s.blocks
+    return blocks, forms
+
+
+def _spread(blocks: np.ndarray, columns: np.ndarray, whiten: np.ndarray) -> np.ndarray:
+    """Sums of squares (v, draws) of the blocks' whitened scores, of variants alike in size."""
+    spread = np.zeros((len(columns), blocks.shape[2]))
+    for scores, rows in zip(blocks, whiten, strict=True):
+        spread += ((rows @ scores[columns]) ** 2).sum(axis=1)
+    return spread
+
+
+def _phi(spread: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """The same by degree of freedom; few blocks are lent what is usual."""
+    usual = np.median(spread / np.maximum(count, 1), axis=0)
+    return (spread + LENT * usual) / (count + LENT)
+
+
 def _statistics(blocks: np.ndarray, forms: _Forms) -> np.ndarray:
     """-log p of F of every variant (variants, draws), from scores (B, E, draws)."""
     rank, count = forms.rank, forms.count
@@ -149,10 +180,8 @@ def _statistics(blocks: np.ndarray, forms: _Forms) -> np.ndarray:
     for which, columns, inverse, whiten in forms.alike:
         total = totals[columns]  # (v, q, draws)
         explained[which] = (inverse @ total * total).sum(axis=1)
-        for scores, rows in zip(blocks, whiten, strict=True):
-            spread[which] += ((rows @ scores[columns]) ** 2).sum(axis=1)
-    usual = np.median(spread / np.maximum(count, 1), axis=0)
-    phi = (spread + LENT * usual) / (count + LENT)
+        spread[which] = _spread(blocks, columns, whiten)
+    phi = _phi(spread, count)
     F = explained / np.maximum(rank * phi, 1e-300)
     # one scale for effects of different numbers of amplitudes; exactness is not needed
     nobody = (rank == 0) | (count + LENT <= rank)

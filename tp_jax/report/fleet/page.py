@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from tp_jax._version import __version__
 from tp_jax.report import words
 from tp_jax.report.fleet.rows import FAILED, VERDICTS, by_cause, counts
+from tp_jax.report.fleet.shared import KIND_HEAD, OWN_HEAD, told
 from tp_jax.report.fleet.text import NAMES
 from tp_jax.report.formatting import (
     MISSING,
@@ -70,13 +71,17 @@ class Row(NamedTuple):
     notices: str
 
 
-def render(rows: Sequence[Mapping[str, Any]], name: str, *, day: date | None = None) -> str:
+def render(
+    rows: Sequence[Mapping[str, Any]], name: str, *, day: date | None = None,
+    shared: Mapping[str, Any] | None = None,
+) -> str:  # fmt: skip
     """The page as text.
 
     Args:
         rows: as `rows.row` and `rows.failed` make them, in the order to be shown first.
         name: of the fleet.
         day: on which it was diagnosed.
+        shared: what the rigs share, as fleet.json has it; None where nobody asked.
     """
     script = (FOLDER / "fleet.js").read_text(encoding="utf-8")
     hashed = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
@@ -89,6 +94,8 @@ def render(rows: Sequence[Mapping[str, Any]], name: str, *, day: date | None = N
         version=__version__,
         verdicts=[(NAMES[v], known[v]) for v in VERDICTS if known[v]],
         groups=_groups(rows),
+        shared=None if shared is None else told(shared),
+        heads=(KIND_HEAD, OWN_HEAD),
         columns=COLUMNS,
         rows=shown,
         filters=_filters(shown),
