@@ -34,8 +34,8 @@ def looked_at(noise, seed, rates):
     ("noise", "seeds", "rates", "levels"),
     [
         # A tenth of a second is slow against 250 Hz and lies below every band without motion. There
-        # is an alarm at the first seed, as there may be at one of twenty.
-        (noisy.slow, (2, 3), RATE, (1e-3,) * 4),
+        # is an alarm at the first seed, as there may be at one of twenty: one of three is let pass.
+        (noisy.slow, (1, 2, 3), RATE, (1e-3,) * 4),
         # an error of .3 mrad, and a converter's of .44
         (noisy.coarse, (1,), (100.0,) * 4, (5.35e-4,) * 4),
         (noisy.anticorrelated, (1,), RATE, (1e-3,) * 4),
@@ -52,7 +52,7 @@ def test_nothing_hidden_is_nothing_found(noise, seeds, rates, levels):
         or misfits(setting, fit)
         for setting, fit in looks
     ]
-    assert not any(alarms)
+    assert sum(alarms) <= len(seeds) // 3
     for setting, fit in looks:
         its_noise_is_known(setting, fit, noise, levels)
 
