@@ -26,6 +26,7 @@ from tp_jax.gap.earning import earned
 from tp_jax.gap.policy import POLICY, LearningPolicy
 from tp_jax.gap.refit import Refit, lengthened, polish, regrown, removable, sharper
 from tp_jax.gap.screen import Scored, Screen, prior_information, screen
+from tp_jax.gap.structure import structure_test
 from tp_jax.gap.visited import with_supports
 
 log = logging.getLogger(__name__)
@@ -42,7 +43,7 @@ def choose_or_learn(
         setting, baseline, seed, progress, known: see `choose`.
     """
     choice = choose(setting, baseline, seed, progress, known)
-    if not unexplained(setting, choice):
+    if not setting.layout.learned or not unexplained(setting, choice):
         return choice
     return _with_law(setting, choice, seed, progress, known) or choice
 
@@ -73,7 +74,8 @@ def _with_law(
     first, last = choice.rounds[0], choice.rounds[-1]
     setting = with_supports(setting, first.searched)
     trials = _tried(setting, first, Refit(first.searched, ()), progress, known)
-    if choice.final.ids:
+    # one that leaves no more than chance needs no formula beside it
+    if choice.final.ids and not any(_nothing_left(t.result.fit) for t in trials):
         beside = Refit(last.searched, choice.final.variants)
         trials += _tried(setting, last, beside, progress, known)
     formulas = left_out_cost(last.searched)
@@ -108,22 +110,26 @@ def _tried(
         key=lambda s: -_evidence(r.before, s),
     )
     reference = left_out_cost(base.fit)
-    chance = POLICY.learning.chance * np.sqrt(2.0 * base.fit.dof)
     out: list[_Trial] = []
     for i, s in enumerate(ranked[: POLICY.learning.refitted]):
         progress(f"refitting a curve: {s.id}", i / POLICY.learning.refitted)
         base.fit.problem.programs.add({*base.ids, AnyLaw.id})
         trial = tried(setting, base, s, known)
-        if removable(trial.fit) > chance:
+        if not _nothing_left(trial.fit):
             trial = regrown(setting, base.fit, trial)
         trial = polish(setting, trial)
         found = gain(reference, left_out_cost(trial.fit), blocks_of(trial.fit, setting))
         out.append(_Trial(trial, base, _beside(r, seen, trial, s), found))
         log.info("%s: log evidence %.4g, left-out gain %.4g +- %.3g",
                  "+".join(trial.ids), _evidence(r.before, s), *found)  # fmt: skip
-        if removable(trial.fit) < chance:
+        if _nothing_left(trial.fit):
             break
     return out
+
+
+def _nothing_left(fit: Fit) -> bool:
+    """Whether a fit leaves no more than chance leaves of noise."""
+    return removable(fit) < POLICY.learning.chance * np.sqrt(2.0 * fit.dof)
 
 
 def log_evidence(score: np.ndarray, V: np.ndarray, prior: np.ndarray) -> float:
@@ -169,8 +175,11 @@ def _taken(
     progress("sharpening the friction", None)
     sharp = sharper(setting, polished)
     before, seen, structure = looked_at(setting, polished, sharp, seed)
+    # p values of laws beside those of the catalogue; that of the round stays what it was
+    told = structure_test(trial.round.screen, seed).by_variant
     r = dataclasses.replace(
         trial.round,
+        structure=dataclasses.replace(trial.round.structure, by_variant=told),
         gains={**trial.round.gains, law: trial.gain},
         confirmations={**trial.round.confirmations, law: answer},
         taken=law,
