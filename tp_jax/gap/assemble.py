@@ -25,7 +25,7 @@ from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
-from tp_jax.gap.notes import elsewhere, notes
+from tp_jax.gap.notes import beyond_its_range, elsewhere, notes
 from tp_jax.gap.refit import Refit
 from tp_jax.gap.relative import told
 from tp_jax.gap.screen import screen
@@ -100,6 +100,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
     )  # fmt: skip
     where = [] if no_gap else locate(choice, setting, seed)
     said += elsewhere(where, final)
+    said += beyond_its_range(setting, final, after.fit)
     labels = [r.label for r in setting.recordings]
     named = tables.causes(
         setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least,

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tp_jax.effects import Law
 from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.acceptance import Doubts
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.choice import Choice
@@ -12,6 +14,7 @@ from tp_jax.gap.free_structure import FreeStructure
 from tp_jax.gap.location import Share
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
+from tp_jax.gap.visited import share_outside
 from tp_jax.recordings.noise import noise_level
 
 
@@ -116,6 +119,24 @@ def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
         f"What is named acts in {' and '.join(sorted(own))}, but leaves part of the gap: most of "
         f"the whole looks as if it came from {where[0].location}."
     ]
+
+
+def beyond_its_range(setting: Setting, final: Refit, held: Fit) -> list[str]:
+    """How much of the held-out recordings no learned curve can tell of.
+
+    Args:
+        setting: the campaign. final: the model with the causes. held: held-out windows under it.
+    """
+    said = []
+    for v in (v for v in final.variants if isinstance(v.effect, Law)):
+        share = share_outside(setting, held, v)
+        if share > POLICY.learning.outside:
+            said.append(
+                f"For {100.0 * share:.2g} % of their time the held-out recordings are beyond the "
+                f"range in which {v.effect.id} was learned; the curve is not known there. Hold out "
+                "a recording that stays inside, or record one more that goes there."
+            )
+    return said
 
 
 def _drive_noise(setting: Setting) -> float:

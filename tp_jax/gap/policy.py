@@ -182,11 +182,14 @@ class LearningPolicy:
         deviance: sum of squares beyond the noise, over the misfit, from which a curve is asked for:
             as much as a cause of twelve amplitudes has to take (`earned`).
         chance: standard deviations of a sum of squares of noise alone up to which nothing is left.
+        outside: part of the held-out samples beyond a curve's range from which a note says so; a
+            run overshoots those beside it by a sample or two.
     """
 
     refitted: int = 2
     deviance: float = 64.0
     chance: float = 3.0
+    outside: float = 0.01
 
 
 @dataclasses.dataclass(frozen=True)

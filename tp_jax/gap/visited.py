@@ -5,8 +5,10 @@ import dataclasses
 import numpy as np
 
 from tp_jax.effects import laws
+from tp_jax.effects.laws import HALF, MIDDLE
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.fitted import Fit
+from tp_jax.gap.directions import Variant
 
 MARGIN = 0.02
 """Of the visited range, on either side: a run that is predicted may go a little further."""
@@ -42,6 +44,18 @@ def visited(setting: Setting, fit: Fit) -> dict[str, np.ndarray]:
         if setting.rider or not (law.about_rider or law.uses_phi2):
             out[family] = np.broadcast_to(np.asarray(law.argument.of(m), float), t.shape)
     return out
+
+
+def share_outside(setting: Setting, fit: Fit, variant: Variant) -> float:
+    """Part of a fit's samples at which a law's argument lies beyond the range it was learned on.
+
+    Args:
+        setting: the campaign. fit: windows and states, of held-out recordings say.
+        variant: the law, with its range.
+    """
+    shapes = dict(variant.shapes)
+    x = visited(setting, fit)[variant.effect.id]
+    return float((np.abs(x - shapes[MIDDLE]) > shapes[HALF]).mean())
 
 
 def with_supports(setting: Setting, fit: Fit) -> Setting:
