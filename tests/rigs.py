@@ -89,9 +89,16 @@ def lossy(recording: Recording, seed: int, *lost: tuple[float, float]) -> Record
 
 
 def synthetic_campaign(
-    noise: float = 1e-3, duration: float = 3.0, seed: int = 0, **other: float
-) -> Campaign:
-    """A decay and two forced recordings of the bench (or other numbers), with white noise."""
+    noise: float = 1e-3, duration: float = 3.0, seed: int = 0, effect: str = "",
+    hidden: dict[str, float] | None = None, **other: float,
+) -> Campaign:  # fmt: skip
+    """A decay and two forced recordings of the bench (or other numbers), with white noise.
+
+    Args:
+        noise: [rad]. duration: [s]. seed: of the noise.
+        effect, hidden: one of `reference.FORMULAS` with its numbers, which is in the rig.
+        other: numbers of the bench that differ.
+    """
     rng = np.random.default_rng(seed)
     ts = np.arange(round(duration * RATE) + 1) / RATE
     recordings = []
@@ -99,7 +106,7 @@ def synthetic_campaign(
         driven = omega is not None
         p = BENCH | other | (dict(omega=omega) if driven else dict(A=0.0))
         y0 = np.zeros(4) if driven else np.array([1.2, 0.0, 0.0, 0.0])
-        y = reference(p, ts, y0)[:, :2] + noise * rng.standard_normal((ts.size, 2))
+        y = reference(p, ts, y0, effect, hidden)[:, :2] + noise * rng.standard_normal((ts.size, 2))
         name = f"run-{omega:.0f}.csv" if driven else "decay.csv"
         recordings.append(
             Recording(

@@ -38,9 +38,9 @@ def reference(setting, problem, start):
     return variable_projection.fit(problem, start, setting.unknowns(), relative=1e-6)
 
 
-# One of their sum of squares, which compiles for half a minute. One of residuals is put to the test
-# by `test_a_solver_of_ones_own` in test_identify.py, and `scripts/methods` has them all.
-@pytest.mark.parametrize("method", ["bfgs"])
+# One of residuals and one of their sum; each compiles for half a minute, and `scripts/methods` has
+# them all.
+@pytest.mark.parametrize("method", ["dogleg", "bfgs"])
 def test_the_same_optimum(setting, problem, start, reference, method):
     fit = optimistix_methods.fit(
         problem, start, setting.unknowns(), solver=optimistix_methods.SOLVERS[method]

@@ -4,6 +4,9 @@ applicability, directions   which effects, at which shape constants
 screen, structure, rounding all of them from one linearisation; is anything there at all
 refit, crossvalidation      the best few, nonlinearly, judged inside the fitted data
 choice, earning             the causes, one by one; which of them earns its place
+learned, visited            laws that nobody wrote down, where the causes leave structure; their
+                            range
+law_curve, short_formula    what is told of such a law
 known_noise                 the causes under the noise that they leave
 held_out, free_run          what is left on data no choice has touched
 location, detectability, intervals, experiment, verdict

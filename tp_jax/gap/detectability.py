@@ -4,6 +4,7 @@ import numpy as np
 from scipy import optimize
 
 from tp_jax import _tails as tails
+from tp_jax.effects import Law
 from tp_jax.gap.screen import Scored, Screen, pseudo_inverse
 
 POWER, FAMILY_WISE = 0.95, 0.05
@@ -62,8 +63,13 @@ def _inverse_root(screen: Screen, scored: Scored) -> np.ndarray:
 
 
 def tied_groups(screen: Screen) -> list[list[str]]:
-    """Pairs of effects, at their best shapes, whose projected directions are nearly parallel."""
-    best = [(s, _inverse_root(screen, s)) for s in screen.best()]
+    """Pairs of effects, at their best shapes, whose projected directions are nearly parallel.
+
+    Laws are left out: among all curves of twelve coefficients one nearly parallel to anything is
+    found. Whether the data tell a law from a formula its refit says.
+    """
+    formulas = [s for s in screen.best() if not isinstance(s.variant.effect, Law)]
+    best = [(s, _inverse_root(screen, s)) for s in formulas]
     groups = []
     for i, (a, of_a) in enumerate(best):
         for b, of_b in best[i + 1 :]:

@@ -3,10 +3,10 @@
 A law is a curve at a place over one quantity (`tp_jax.effects.laws`); its coefficients have a prior
 that makes it smooth. All laws are screened from one linearisation, where their log evidence with
 that prior ranks them: a curve of twelve numbers always takes something, and evidence charges for
-what it could have taken. The best are refitted, alone and beside the causes that were found, and
-have to pass what a cause has to pass: a fall of the left-out sum of squares, a confirmation by
-recordings left out. A law alone that does better than the formulas replaces them: the nearest
-formula is not the cause.
+what it could have taken. The best are refitted alone and, where none of them leaves noise alone,
+beside the causes that were found. They have to pass what a cause has to pass: a fall of the
+left-out sum of squares, a confirmation by recordings left out. A law alone that does better than
+the formulas replaces them: the nearest formula is not the cause.
 """
 
 import dataclasses
@@ -24,7 +24,7 @@ from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import earned
 from tp_jax.gap.policy import POLICY, LearningPolicy
-from tp_jax.gap.refit import Refit, lengthened, polish, regrown, removable, sharper
+from tp_jax.gap.refit import Refit, lengthened, polish, refit, regrown, removable, sharper
 from tp_jax.gap.screen import Scored, Screen, prior_information, screen
 from tp_jax.gap.structure import structure_test
 from tp_jax.gap.visited import with_supports
@@ -78,14 +78,17 @@ def _with_law(
     if choice.final.ids and not any(_nothing_left(t.result.fit) for t in trials):
         beside = Refit(last.searched, choice.final.variants)
         trials += _tried(setting, last, beside, progress, known)
+    # The formulas' windows may have been lengthened since the first round: sums of squares are
+    # compared on those.
+    there = [(t, _on_windows_of(setting, t.result, last.searched)) for t in trials]
     formulas = left_out_cost(last.searched)
-    for trial in sorted(trials, key=lambda t: left_out_cost(t.result.fit).sum()):
+    for trial, compared in sorted(there, key=lambda pair: left_out_cost(pair[1].fit).sum()):
         result, law = trial.result, trial.result.ids[-1]
-        block = blocks_of(result.fit, setting)
         if not earned(*trial.gain, max(removable(trial.base.fit), 0.0), result):
             continue
-        better = gain(formulas, left_out_cost(result.fit), block)
-        if not earned(*better, max(removable(last.searched), 0.0), result):
+        block = blocks_of(compared.fit, setting)
+        better = gain(formulas, left_out_cost(compared.fit), block)
+        if not earned(*better, max(removable(last.searched), 0.0), compared):
             continue
         progress(f"predicting left-out recordings: {law}", None)
         answer = (
@@ -97,6 +100,14 @@ def _with_law(
         if answer.confirmed:
             return _taken(setting, choice, trial, answer, seed, progress)
     return None
+
+
+def _on_windows_of(setting: Setting, result: Refit, fit: Fit) -> Refit:
+    """A refit, fitted again on another fit's windows where those have another length."""
+    horizon = fit.problem.windows.horizon
+    if horizon == result.fit.problem.windows.horizon:
+        return result
+    return refit(setting, result.fit, result.variants, horizon=horizon)
 
 
 def _tried(

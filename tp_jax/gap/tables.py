@@ -117,6 +117,8 @@ def candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrink
     significant = first.structure.p < POLICY.structure.seen
     rows = []
     for s in first.screen.best():
+        if isinstance(s.variant.effect, Law) and s.id not in first.refits:
+            continue  # a curve that was only looked at is no entry of the catalogue
         realised = shrinks.get(s.id)
         rows.append(
             {
@@ -152,7 +154,8 @@ def detectable(choice: Choice) -> dict[str, dict | None]:
     """From the last screen, whose residuals are nearest to the noise."""
     last, first = choice.rounds[-1], choice.rounds[0]
     out: dict[str, dict | None] = {}
-    tests = max(len(first.screen.best()), 1)
+    formulas = [s for s in first.screen.best() if not isinstance(s.variant.effect, Law)]
+    tests = max(len(formulas), 1)
     for s in [*last.screen.best(), *first.screen.best()]:
         if s.id in out or isinstance(s.variant.effect, Law):
             continue
@@ -188,8 +191,10 @@ def next_experiment(setting: Setting, choice: Choice, no_gap: bool) -> dict | No
     lead = choice.causes[0] if choice.causes else (best[0].id if best else None)
     if lead not in scored:
         return None
+    # laws have slots in common, so that a run is not asked to tell one from another
+    slots = scored[lead].variant.effect.slots
     rivals = sorted(
-        (s for s in best if s.id != lead),
+        (s for s in best if s.id != lead and not (slots and slots == s.variant.effect.slots)),
         key=lambda s: -detectability.cosine(first.screen, scored[lead], s),
     )
     for rival in rivals[:1]:

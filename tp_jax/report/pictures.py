@@ -98,30 +98,17 @@ def first(diagnosis: Mapping[str, Any]) -> Picture | None:
 def runs(diagnosis: Mapping[str, Any]) -> list[Picture]:
     """Free runs over held-out recordings; the bare errors where there are no curves."""
     many = len(drawable(diagnosis, "curves")[:MOST_RECORDINGS])
-    found = [
-        picture(
-            lambda width, i=i: free_run.draw(diagnosis, i, width),
-            f"run-{i + 1}",
-            captions.run(diagnosis, i),
-        )
-        for i in range(many)
-    ]
+    found = _several(diagnosis, free_run.draw, "run", captions.run, many)
     if not many:
-        found.append(_gap(diagnosis, style.WIDE, "gap"))
-    return [drawn for drawn in found if drawn is not None]
+        gap_alone = _gap(diagnosis, style.WIDE, "gap")
+        found += [] if gap_alone is None else [gap_alone]
+    return found
 
 
 def windows(diagnosis: Mapping[str, Any]) -> list[Picture]:
     """Windowed residuals over time."""
-    found = [
-        picture(
-            lambda width, i=i: residuals.draw(diagnosis, i, width),
-            f"residuals-{i + 1}",
-            captions.windows(diagnosis, i),
-        )
-        for i in range(len(drawable(diagnosis, "residuals")[:MOST_RECORDINGS]))
-    ]
-    return [drawn for drawn in found if drawn is not None]
+    many = len(drawable(diagnosis, "residuals")[:MOST_RECORDINGS])
+    return _several(diagnosis, residuals.draw, "residuals", captions.windows, many)
 
 
 def over_states(diagnosis: Mapping[str, Any]) -> Picture | None:
@@ -139,15 +126,7 @@ def places(diagnosis: Mapping[str, Any]) -> Picture | None:
 
 def learned(diagnosis: Mapping[str, Any]) -> list[Picture]:
     """Curves of causes that nobody wrote down."""
-    found = [
-        picture(
-            lambda width, i=i: law.draw(diagnosis, i, width),
-            f"law-{i + 1}",
-            captions.law(diagnosis, i),
-        )
-        for i in range(len(law.shown(diagnosis)))
-    ]
-    return [drawn for drawn in found if drawn is not None]
+    return _several(diagnosis, law.draw, "law", captions.law, len(law.shown(diagnosis)))
 
 
 def bars(diagnosis: Mapping[str, Any]) -> Picture | None:
@@ -160,6 +139,22 @@ def shifts(diagnosis: Mapping[str, Any]) -> Picture | None:
     """What moved when the causes were added."""
     caption = captions.moved(diagnosis)
     return picture(lambda width: moved.draw(diagnosis, width), "moved", caption)
+
+
+def _several(
+    diagnosis: Mapping[str, Any],
+    draw: Callable[..., "Figure | None"],
+    name: str,
+    caption: Callable[[Mapping[str, Any], int], str],
+    many: int,
+) -> list[Picture]:
+    """The first figures of a kind, numbered from one; those that have something to show."""
+    found = [
+        picture(lambda width, i=i: draw(diagnosis, i, width), f"{name}-{i + 1}",
+                caption(diagnosis, i))
+        for i in range(many)
+    ]  # fmt: skip
+    return [drawn for drawn in found if drawn is not None]
 
 
 def _close_up(diagnosis: Mapping[str, Any], width: float, name: str) -> Picture | None:

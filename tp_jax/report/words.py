@@ -117,7 +117,7 @@ def clause(name: str) -> str:
     place, _, argument = name.partition(".")
     if place in LAW_PLACES and argument in LAW_ARGUMENTS:
         over = LAW_ARGUMENTS[argument]
-        return f"{LAW_PLACES[place]} changes with {over}, along a curve that no formula here gives"
+        return f"{LAW_PLACES[place]} changes with {over}, along a curve that was learned"
     effects = sys.modules.get("tp_jax.effects")  # a report of what was diagnosed before needs none
     own = None if effects is None else effects.catalogue().get(name)
     return "" if own is None else own.says

@@ -66,11 +66,31 @@ FIT = table(
     },
 )
 
+_NUMBERS = {"type": "array", "items": NUMBER, "says": "a list of numbers"}
 _ERRORS = maybe(table({"windowed": NUMBER_OR_NULL, "free_run": NUMBER_OR_NULL}))
 _STATE = {
     "type": ["array", "null"], "items": NUMBER, "minItems": 4, "maxItems": 4,
     "says": "four numbers or null",
 }  # fmt: skip
+
+#: Of a learned cause; see `tp_jax.gap.law_curve`.
+_CURVE = maybe(
+    table(
+        {
+            "argument": TEXT,
+            "unit": TEXT,
+            "y_unit": TEXT,
+            "x": _NUMBERS,
+            "y": _NUMBERS,
+            "ci95": {
+                "type": "array", "items": {**INTERVAL, "type": "array", "items": NUMBER},
+                "says": "a list of pairs of numbers",
+            },
+            "visited": maybe(table({"edges": _NUMBERS, "share": _NUMBERS})),
+        },
+        ("x", "y"),
+    )
+)  # fmt: skip
 
 SCHEMA: dict[str, Any] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -109,11 +129,14 @@ SCHEMA: dict[str, Any] = {
                 table(
                     {
                         "effect": NAME,
+                        "kind": TEXT,
                         "location": TEXT,
                         "channel": TEXT,
                         "probability": NUMBER_OR_NULL,
                         "shrink": NUMBER_OR_NULL,
                         "parameters": SIZES,
+                        "formula": TEXT,
+                        "curve": _CURVE,
                     },
                     ("effect",),
                 )

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tp_jax.effects import Law
 from tp_jax.gap.screen import Scored, Screen, pseudo_inverse
 from tp_jax.gap.shared.scores import RigScores, ScoredVariant
 from tp_jax.gap.structure import dispersions, scores_of_noise
@@ -12,8 +13,9 @@ from tp_jax.gap.structure import dispersions, scores_of_noise
 def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigScores:
     """What the screen says of effects whose amplitudes are the same in all recordings.
 
-    Effects with amplitudes of each recording are left out: what is one recording's is no rig's. If
-    the diagnosis names such an effect, it is projected out.
+    Effects with amplitudes of each recording are left out: what is one recording's is no rig's. So
+    are learned laws, whose range is that of the rig's recordings. If the diagnosis names such an
+    effect, it is projected out.
 
     Args:
         rig: its name.
@@ -26,7 +28,7 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
     dispersion = dispersions(seen)
     kept = [
         (s, float(x)) for s, x in zip(seen.scored, dispersion, strict=True)
-        if s.variant.unknowns and not _by_recording(s)
+        if s.variant.unknowns and not _rigs_alone(s)
     ]  # fmt: skip
     columns = np.array([i for s, _ in kept for i in range(s.rows.start, s.rows.stop)], dtype=int)
     variants, at = [], 0
@@ -39,7 +41,7 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
         at += len(amplitudes)
     # rows of the efficient scores of what is kept, of those of all
     follow = np.eye(len(seen.total))[columns]
-    apart = np.concatenate([np.zeros(0, int), *(np.r_[s.rows] for s in named if _by_recording(s))])
+    apart = np.concatenate([np.zeros(0, int), *(np.r_[s.rows] for s in named if _rigs_alone(s))])
     if apart.size:
         V = seen.information
         gain = V[np.ix_(columns, apart)] @ pseudo_inverse(V[np.ix_(apart, apart)])
@@ -52,9 +54,11 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
     limits = np.concatenate([np.zeros((0, 2)), *(s.limits for s, _ in kept)])
     return RigScores(
         rig, tuple(variants), follow @ seen.total, information, noise, limits,
-        tuple((s.id, s.variant.shapes) for s in named if not _by_recording(s)),
+        tuple((s.id, s.variant.shapes) for s in named if not _rigs_alone(s)),
     )  # fmt: skip
 
 
-def _by_recording(scored: Scored) -> bool:
-    return any(unknown.recording is not None for unknown in scored.variant.unknowns)
+def _rigs_alone(scored: Scored) -> bool:
+    """Whether an effect's amplitudes can be no other rig's."""
+    by_recording = any(unknown.recording is not None for unknown in scored.variant.unknowns)
+    return by_recording or isinstance(scored.variant.effect, Law)
