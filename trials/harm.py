@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tp_jax.effects import catalogue
+from tp_jax.effects import catalogue, get, laws
 from tp_jax.estimation.baseline import Setting, prepare_campaign
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.free_run import free_runs, start_state
@@ -42,7 +42,8 @@ def measured_harm(
     Also None where its model has parts that are not in the catalogue. Kept beside the diagnosis,
     and read from there the next time.
     """
-    if not asked(diagnosis) or not set(diagnosis["fits"]["after"]["effects"]) <= set(catalogue()):
+    known = {*catalogue(), *laws()}
+    if not asked(diagnosis) or not set(diagnosis["fits"]["after"]["effects"]) <= known:
         return dict(NOTHING)
     case = entry["case"]
     return kept(
@@ -87,7 +88,7 @@ def _measure(root: Path, entry: Mapping[str, Any], diagnosis: Mapping[str, Any])
     setting = prepare_campaign(together(root, entry["case"], held_out), model=diagnosis["model"])
     horizon = float(diagnosis["gap"].get("horizon_s") or SHORTEST)
     records = [diagnosis["fits"][model] for model in ("before", "after")]
-    effects = [[], [catalogue()[id] for id in records[1]["effects"]]]
+    effects = [[], [get(id) for id in records[1]["effects"]]]
     values = [numbers(setting, record) for record in records]
     held = [evaluate(setting, v, horizon, e) for v, e in zip(values, effects, strict=True)]
     free = [_free_squares(setting, v, horizon) for v in values]

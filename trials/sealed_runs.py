@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from tp_jax.effects import catalogue
+from tp_jax.effects import get
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.directions import variants
@@ -52,7 +52,7 @@ def _measure(
     record = diagnosis["fits"]["after"]
     reached: float | None = 0.0
     if record is not None:
-        effects = [catalogue()[id] for id in record["effects"]]
+        effects = [get(id) for id in record["effects"]]
         after = evaluate(setting, numbers(setting, record), horizon, effects)
         reached = shrink(setting, before, after, seed).value
     if not shrink(setting, before, before, seed).significant:
@@ -83,8 +83,11 @@ def numbers(setting: Setting, record: Mapping[str, Any]) -> Values:
     changes |= {n: x for n, x in record["nuisances"].items() if n != "zero2"}
     changes["zero2"] = _by_recording(record["nuisances"]["zero2"], labels)
     for id, values in record["effects"].items():
+        effect = get(id)
+        changes |= {effect.qualified(name): x for name, x in effect.constants.items()}
         for name, x in values.items():
-            changes[f"{id}.{name}"] = _by_recording(x, labels) if isinstance(x, Mapping) else x
+            each = _by_recording(x, labels) if isinstance(x, Mapping) else x
+            changes[effect.qualified(name)] = each
     return initial_values(setting).replace({n: x for n, x in changes.items() if n in index})
 
 

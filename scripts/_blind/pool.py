@@ -230,14 +230,20 @@ def look(rigs: str, number: int, name: str, commit: str | None, version: str) ->
     return row_of(entry, diagnosis, sealed, number, case.seed, rigs, commit, version, spent)
 
 
-def diagnosed(root: Path, entry: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The diagnosis of a case, and what it is worth on the sealed runs."""
+def diagnosed(
+    root: Path, entry: Mapping[str, Any], without: Sequence[str] = ()
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The diagnosis of a case, and what it is worth on the sealed runs.
+
+    Args:
+        root: of the case's trial. entry: its part of the key. without: as of `tp.diagnose`.
+    """
     from scripts._blind.run import diagnose_case, wants_shrink
     from trials.harm import measured_harm
     from trials.seal import read_diagnosis
     from trials.sealed_runs import measured
 
-    diagnose_case(root, entry["case"])
+    diagnose_case(root, entry["case"], without)
     diagnosis = read_diagnosis(root, entry)
     shrink = dict(measured(root, entry, diagnosis)) if wants_shrink(entry) else {}
     harm = measured_harm(root, entry, diagnosis)

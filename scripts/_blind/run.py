@@ -139,13 +139,13 @@ def _done(
     return failed
 
 
-def diagnose_case(root: Path, name: str) -> None:
-    """Writes the diagnosis of a case beside it, made with the defaults."""
+def diagnose_case(root: Path, name: str, without: Sequence[str] = ()) -> None:
+    """Writes the diagnosis of a case beside it, made with the defaults but for `without`."""
     import tp_jax as tp
     from tp_jax.cli.output import plain, write_json
     from trials.seal import diagnosis_file
 
-    diagnosis = tp.diagnose(tp.load_campaign(root / name))
+    diagnosis = tp.diagnose(tp.load_campaign(root / name), without=without)
     write_json(diagnosis_file(root, name), plain(diagnosis.to_dict()))
 
 

@@ -13,7 +13,7 @@ from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.learned import _on_windows_of, choose_or_learn
 from tp_jax.gap.predict import predict
-from tp_jax.gap.visited import share_outside
+from tp_jax.gap.visited import inside_of_others, share_outside
 from tp_jax.recordings import hold_out
 
 LAW = "bearing_dry.phi1"
@@ -89,3 +89,21 @@ def test_formulas_and_laws_are_compared_on_the_same_windows(found):
     assert moved.fit.problem.windows.n == short.windows.n
     assert moved.fit.chi2_dof == pytest.approx(1.0, abs=0.2)
     assert share_outside(setting, moved.fit, variant) == 0.0
+
+
+def test_a_run_that_goes_further_than_all_others_is_not_held_out(found):
+    """The decay begins at 1.2 rad, which no forced run reaches."""
+    setting, choice, _ = found
+
+    def held(*which):
+        recordings = [
+            dataclasses.replace(r, held_out=i in which) for i, r in enumerate(setting.recordings)
+        ]
+        return dataclasses.replace(setting, recordings=recordings)
+
+    swings = [np.ptp(r.phi1) for r in setting.recordings]
+    assert np.argmax(swings) == 0
+    assert inside_of_others(held(2), choice.final) is None
+    assert inside_of_others(held(0), choice.final) in (1, 2)
+    assert inside_of_others(held(0, 1), choice.final) is None  # nothing is left to fit
+    assert inside_of_others(held(0), dataclasses.replace(choice.final, variants=())) is None

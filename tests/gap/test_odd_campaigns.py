@@ -14,7 +14,7 @@ from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.baseline import initial_values, prepare_campaign
 from tp_jax.estimation.placement import place
 from tp_jax.estimation.windows import Windows
-from tp_jax.gap.applicability import check_predictable, why_not
+from tp_jax.gap.applicability import check_known, check_predictable, why_not
 from tp_jax.gap.free_run import start_state
 from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, carried_over, floor_error, shrink, squares
 from tp_jax.gap.relative import centred
@@ -90,6 +90,18 @@ def test_a_drive_of_which_nothing_is_known(drive):
     setting = prepare_campaign(campaign_of({}, held, held), effects=())
     with pytest.raises(InputError, match=f"run-13.csv.*no recording.*a {drive} drive"):
         check_predictable(setting)
+
+
+def test_an_effect_that_was_ruled_out_is_not_asked_about():
+    base, tilt = catalogue()["base_compliance"], catalogue()["column_tilt"]
+    setting = prepare_campaign(synthetic_campaign(), effects=[base, tilt], without=["column_tilt"])
+    assert why_not(base, setting) is None
+    assert why_not(tilt, setting) == "Left out, as was asked for."
+    check_known(["column_tilt", "bearing_dry.phi1"])
+    with pytest.raises(InputError, match=r"no effect .colum_tilt. .*did you mean column_tilt"):
+        check_known(["colum_tilt"])
+    with pytest.raises(InputError, match="`tp-jax effects` lists them"):
+        tp.diagnose(synthetic_campaign(), without=["zzz"])
 
 
 def test_a_base_faster_than_a_decays_samples():

@@ -42,6 +42,11 @@ def test_one_whole_recording(campaign, omegas, held):
     assert hold_out(after) is after
 
 
+def test_another_one_can_be_named(campaign):
+    after = hold_out(campaign(6.0, 10.0, 13.0, 17.0), instead=1)
+    assert [each.name for each in after.held_out] == ["1.csv"]
+
+
 def test_last_of_a_single_recording(campaign):
     fitted, held = hold_out(campaign(13.0)).recordings
     assert (fitted.held_out, held.held_out) == (False, True)

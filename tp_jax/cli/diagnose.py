@@ -60,6 +60,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         help="rad rms; a gap below it matters to nobody (0)",
     )  # fmt: skip
     parser.add_argument(
+        "--without", metavar="EFFECT", action="append", default=[],
+        help="id of an effect not to ask about, since you ruled it out (`tp-jax effects` lists "
+        "them); may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
         "--resume", action="store_true", help="go on from a diagnosis that was broken off"
     )
     of_fleet = parser.add_argument_group("of a fleet")
@@ -116,8 +121,8 @@ def run(args: argparse.Namespace) -> int:
     kept = folder / FITS
     with shown(quiet=args.quiet, form=args.progress) as progress, _kept(kept, resume=args.resume):
         result = diagnosed(
-            campaign, folder, seed=args.seed, tolerance=args.tolerance, figures=args.figures,
-            resume=args.resume, progress=progress,
+            campaign, folder, seed=args.seed, tolerance=args.tolerance, without=args.without,
+            figures=args.figures, resume=args.resume, progress=progress,
         )  # fmt: skip
     if args.json is not None:
         write_json(args.json, result)

@@ -1,5 +1,6 @@
 """A campaign diagnosed into a folder, for `tp-jax diagnose` of one campaign and of many."""
 
+from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,13 +25,13 @@ def default_folder(name: str) -> Path:
 
 
 def diagnosed(
-    campaign: "Campaign", folder: Path, *, seed: int, tolerance: float, figures: bool, resume: bool,
-    progress: Progress, screen: bool = False,
+    campaign: "Campaign", folder: Path, *, seed: int, tolerance: float, without: Sequence[str] = (),
+    figures: bool, resume: bool, progress: Progress, screen: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
     """Diagnoses a campaign into a folder, which gets diagnosis.json and the report; the result.
 
     Args:
-        campaign, seed, tolerance, resume, progress: as of `tp.diagnose`.
+        campaign, seed, tolerance, without, resume, progress: as of `tp.diagnose`.
         folder: gets the files. figures: whether it gets the report's figures too.
         screen: whether it gets the scores of all effects, for what the rigs of a fleet share.
 
@@ -41,8 +42,8 @@ def diagnosed(
 
     kept, report = folder / FITS, folder / REPORT
     asked: dict[str, Any] = {
-        "seed": seed, "tolerance": tolerance, "progress": progress, "checkpoint": kept,
-        "resume": resume,
+        "seed": seed, "tolerance": tolerance, "without": without, "progress": progress,
+        "checkpoint": kept, "resume": resume,
     }  # fmt: skip
     if screen:
         result = _with_screen(campaign, folder, asked)

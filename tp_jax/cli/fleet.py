@@ -39,7 +39,7 @@ class Rig:
 
     Attributes:
         name: in the fleet. campaign: its folder or file. folder: gets its diagnosis.
-        omega, decay: of a single file. seed, tolerance, figures: as of one diagnosis.
+        omega, decay: of a single file. seed, tolerance, figures, without: as of one diagnosis.
     """
 
     name: str
@@ -50,6 +50,7 @@ class Rig:
     seed: int = 0
     tolerance: float = 0.0
     figures: bool = False
+    without: tuple[str, ...] = ()
 
 
 def campaigns_of(given: Sequence[str]) -> list[Path] | None:
@@ -112,8 +113,8 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
         resume = (rig.folder / FITS).is_file()
         try:
             result = diagnosed(
-                campaign, rig.folder, seed=rig.seed, tolerance=rig.tolerance, figures=rig.figures,
-                resume=resume, progress=silent, screen=True,
+                campaign, rig.folder, seed=rig.seed, tolerance=rig.tolerance, without=rig.without,
+                figures=rig.figures, resume=resume, progress=silent, screen=True,
             )  # fmt: skip
         except InputError:
             if not resume:  # nothing leads on from there
@@ -139,7 +140,7 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
     rigs = [
         Rig(
             each, campaign.absolute(), (folder / each).absolute(), args.omega, args.decay,
-            args.seed, args.tolerance, args.figures,
+            args.seed, args.tolerance, args.figures, tuple(args.without),
         )
         for each, campaign in zip(names_of(campaigns), campaigns, strict=True)
     ]  # fmt: skip
@@ -252,7 +253,9 @@ def _status(ended: Sequence[Ended]) -> int:
 
 def _of(rig: Rig) -> str:
     """Digest of all that goes into a rig's row: a row of other data or settings is not taken."""
-    options = (__version__, rig.omega, rig.decay, rig.seed, rig.tolerance, rig.figures)
+    options = (
+        __version__, rig.omega, rig.decay, rig.seed, rig.tolerance, rig.figures, rig.without,
+    )  # fmt: skip
     digest = hashlib.sha256(repr(options).encode())
     toml = rig.campaign / "campaign.toml" if os.path.isdir(rig.campaign) else rig.campaign
     for file in [toml, *_listed(toml)]:

@@ -8,7 +8,7 @@ grow.
 import dataclasses
 import functools
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -80,6 +80,7 @@ class Setting:
         blocks: (r,) samples of which each of a recording's is the mean (`recordings.thinning`).
         supports: middle and half width of what the recordings visit of each law's argument, by the
             law's family; empty until laws are asked for (`gap.visited`).
+        ruled_out: ids of effects and laws that are not asked about.
     """
 
     campaign: Campaign
@@ -98,6 +99,7 @@ class Setting:
     period: float
     blocks: tuple[int, ...] = ()
     supports: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
+    ruled_out: frozenset[str] = frozenset()
 
     @functools.cached_property
     def programs(self) -> Programs:
@@ -202,8 +204,12 @@ def prepare_campaign(
     fix: dict[str, float] | None = None,
     bound: dict[str, tuple[float, float]] | None = None,
     effects: Sequence[Effect] | None = None,
+    without: Collection[str] = (),
 ) -> Setting:
-    """Reads noise, sampling and period off the recordings and lays out the estimation."""
+    """Reads noise, sampling and period off the recordings and lays out the estimation.
+
+    `without` are ids of effects and laws that are not asked about.
+    """
     period = typical_period([r for r in campaign.recordings if not r.held_out])
     blocks = tuple(block_length(r, period) for r in campaign.recordings)
     recordings = tuple(map(thinned, campaign.recordings, blocks))
@@ -238,6 +244,7 @@ def prepare_campaign(
     return Setting(
         campaign, recordings, layout, prepared, levels, (levels, tuple(colours)), horizons,
         sample_capacity(counts), fixed, priors, model, dict(bound or {}), widths, period, blocks,
+        ruled_out=frozenset(without),
     )  # fmt: skip
 
 

@@ -1,11 +1,14 @@
 """Which effects a campaign could show at all."""
 
+from collections.abc import Collection
+
 import numpy as np
 
-from tp_jax.effects import Effect
+from tp_jax.effects import Effect, catalogue, laws
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import SENSORS
+from tp_jax.recordings.faults import nearest
 
 
 def conditions(setting: Setting) -> frozenset[str]:
@@ -22,6 +25,20 @@ def conditions(setting: Setting) -> frozenset[str]:
     if setting.campaign.B1 is not None and "B2" in setting.fixed:
         met.add("inertias")
     return frozenset(met)
+
+
+def check_known(ids: Collection[str]) -> None:
+    """Faults ids of which there is neither an effect nor a law.
+
+    Raises:
+        InputError: one is not known; the message names the nearest.
+    """
+    known = [*catalogue(), *laws()]
+    for id in ids:
+        if id not in known:
+            near = nearest(id, known)
+            mend = f"did you mean {near}?" if near else "`tp-jax effects` lists them."
+            raise InputError(f"There is no effect {id!r} to leave out; {mend}")
 
 
 def check_predictable(setting: Setting) -> None:
@@ -42,6 +59,8 @@ def check_predictable(setting: Setting) -> None:
 
 def why_not(effect: Effect, setting: Setting) -> str | None:
     """None if the effect applies, else one sentence that says what is missing."""
+    if effect.id in setting.ruled_out:
+        return "Left out, as was asked for."
     if effect.n_states and effect.hook in SENSORS:
         return "Not screened: a sensor with states of its own."
     missing = effect.needs - conditions(setting)

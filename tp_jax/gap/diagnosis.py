@@ -2,7 +2,7 @@
 
 import dataclasses
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,12 @@ from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
 from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
-from tp_jax.gap.applicability import check_predictable
+from tp_jax.gap.applicability import check_known, check_predictable
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.known_noise import choose_under_noise
+from tp_jax.gap.notes import held_out_instead
+from tp_jax.gap.visited import inside_of_others
 from tp_jax.recordings import Campaign, hold_out
 
 
@@ -69,6 +71,7 @@ def diagnose(
     model: str = "newton",
     seed: int = 0,
     tolerance: float = 0.0,
+    without: Collection[str] = (),
     progress: Callable[[str, float | None], None] | None = None,
     checkpoint: str | Path | None = None,
     resume: bool = False,
@@ -80,20 +83,22 @@ def diagnose(
         model: "newton" or "paper".
         seed: of every random draw.
         tolerance: root mean square [rad] below which a gap matters to nobody.
+        without: ids of effects (`bearing_position`) and laws (`bearing_dry.phi1`) that are not
+            asked about: what was ruled out by hand, say.
         progress: called with a stage's name and the part of it that is done.
         checkpoint: file in which finished fits are kept.
         resume: go on from that file; the result is the one of a run that was not broken off.
 
     Raises:
         InputError: the model cannot be integrated through the recordings, a held-out one cannot
-            be predicted, or there is nothing to resume.
+            be predicted, there is no effect of such an id, or there is nothing to resume.
 
     Returns:
         A `Diagnosis`. The choice of causes uses the fitted recordings alone; the held-out ones
         are read once, after it.
     """
     examination = examine(
-        campaign, model=model, seed=seed, tolerance=tolerance, progress=progress,
+        campaign, model=model, seed=seed, tolerance=tolerance, without=without, progress=progress,
         checkpoint=checkpoint, resume=resume,
     )  # fmt: skip
     return Diagnosis(examination.result)
@@ -106,6 +111,7 @@ def examine(
     model: str = "newton",
     seed: int = 0,
     tolerance: float = 0.0,
+    without: Collection[str] = (),
     progress: Callable[[str, float | None], None] | None = None,
     checkpoint: str | Path | None = None,
     resume: bool = False,
@@ -113,13 +119,25 @@ def examine(
     """As `diagnose`, with the fits beside the result, for whoever asks them further."""
     begin = time.perf_counter()
     progress = progress or _silent
+    check_known(without)
     progress("preparing the recordings", None)
-    campaign = hold_out(campaign)
-    kept = fits_checkpoint(
-        checkpoint, resume, campaign, {"model": model, "seed": seed, "tolerance": tolerance}
-    )
+    given, campaign = campaign, hold_out(campaign)
+    asked = {
+        "model": model, "seed": seed, "tolerance": tolerance, "without": sorted(set(without)),
+    }  # fmt: skip
+    kept = fits_checkpoint(checkpoint, resume, campaign, asked)
     with keeping(kept):
-        setting, choice, result = _result(campaign, model, seed, tolerance, progress)
+        setting, choice = _chosen(campaign, model, seed, without, progress)
+        other = None if given.held_out else inside_of_others(setting, choice.final)
+        if other is not None:
+            first = campaign.held_out[0].name
+            campaign = hold_out(given, other)
+            progress(f"beginning anew, with {campaign.held_out[0].name} held out", None)
+            setting, choice = _chosen(campaign, model, seed, without, progress)
+        progress("reading the held-out recordings", None)
+        result = assemble(setting, choice, seed, tolerance)
+    if other is not None:
+        result["notes"].append(held_out_instead(first, campaign.held_out[0].name))
     result["provenance"] = {
         "version": __version__,
         "seed": seed,
@@ -129,12 +147,12 @@ def examine(
     return Examination(setting, choice, result)
 
 
-def _result(
-    campaign: Campaign, model: str, seed: int, tolerance: float,
+def _chosen(
+    campaign: Campaign, model: str, seed: int, without: Collection[str],
     progress: Callable[[str, float | None], None],
-) -> tuple[Setting, Choice, dict[str, Any]]:  # fmt: skip
-    """The fits, and the result without its provenance; the arguments are those of `diagnose`."""
-    setting = prepare_campaign(campaign, model=model)
+) -> tuple[Setting, Choice]:  # fmt: skip
+    """The causes that fitted recordings speak for; the arguments are those of `diagnose`."""
+    setting = prepare_campaign(campaign, model=model, without=without)
     check_predictable(setting)
     setting.problem(setting.horizons[0]).compile_ahead(frozenset())
     baseline = grow(setting, initial_values(setting), setting.unknowns(), progress=progress)
@@ -143,6 +161,4 @@ def _result(
             "The model cannot be integrated through the recordings from any start; check the units "
             "of times and angles, and that omega is in rad/s."
         )
-    setting, choice = choose_under_noise(setting, baseline, seed, progress)
-    progress("reading the held-out recordings", None)
-    return setting, choice, assemble(setting, choice, seed, tolerance)
+    return choose_under_noise(setting, baseline, seed, progress)

@@ -139,6 +139,14 @@ def beyond_its_range(setting: Setting, final: Refit, held: Fit) -> list[str]:
     return said
 
 
+def held_out_instead(before: str, now: str) -> str:
+    """That another recording is held out than the one first chosen."""
+    return (
+        f"{now} is held out, not {before}: {before} goes further than all others, so a curve that "
+        "is learned from those says nothing about it."
+    )
+
+
 def _drive_noise(setting: Setting) -> float:
     """Noise of measured drives, of their amplitudes: the median; 0 without any."""
     drives = [

@@ -184,12 +184,16 @@ class LearningPolicy:
         chance: standard deviations of a sum of squares of noise alone up to which nothing is left.
         outside: part of the held-out samples beyond a curve's range from which a note says so; a
             run overshoots those beside it by a sample or two.
+        elsewhere: part of the held-out recording's samples beyond it from which another recording
+            is held out instead and all begins anew, which takes twice the time; a run that goes
+            further for less than a twentieth of its time is still a test of the rest.
     """
 
     refitted: int = 2
     deviance: float = 64.0
     chance: float = 3.0
     outside: float = 0.01
+    elsewhere: float = 0.05
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,14 +1,17 @@
-"""Values of the laws' arguments that the fitted recordings visit."""
+"""Values of the laws' arguments that recordings visit, and whether a law is asked beyond them."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
-from tp_jax.effects import laws
+from tp_jax.effects import Law, laws
 from tp_jax.effects.laws import HALF, MIDDLE
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.directions import Variant
+from tp_jax.gap.policy import POLICY
+from tp_jax.gap.refit import Refit
 
 MARGIN = 0.02
 """Of the visited range, on either side: a run that is predicted may go a little further."""
@@ -27,6 +30,13 @@ def visited(setting: Setting, fit: Fit) -> dict[str, np.ndarray]:
     held = np.arange(fit.linearisation.n_samples) < windows.count[:, None]
     sample = (windows.first[:, None] + np.arange(held.shape[1]))[held]
     recording = np.broadcast_to(windows.recording[:, None], held.shape)[held]
+    return _arguments(setting, fit, recording, sample, fit.linearisation.states[held])
+
+
+def _arguments(
+    setting: Setting, fit: Fit, recording: np.ndarray, sample: np.ndarray, states: np.ndarray
+) -> dict[str, np.ndarray]:
+    """The argument of each law (N,), of samples of recordings (N,) in states (N, 4)."""
     t = np.zeros(sample.size)
     pieces = np.zeros((sample.size, 4))
     for r in np.unique(recording):
@@ -38,12 +48,69 @@ def visited(setting: Setting, fit: Fit) -> dict[str, np.ndarray]:
             pieces[mine] = prepared.pieces[np.minimum(sample[mine], last)]
     numbers = tuple(fit.values.table[:, recording])
     model = setting.layout.model(numbers, tuple(pieces.T), t, frozenset())
-    m = model.motion(t, tuple(fit.linearisation.states[held].T))
+    m = model.motion(t, tuple(states.T))
     out = {}
     for family, law in laws().items():
         if setting.rider or not (law.about_rider or law.uses_phi2):
             out[family] = np.broadcast_to(np.asarray(law.argument.of(m), float), t.shape)
     return out
+
+
+def inside_of_others(setting: Setting, final: Refit) -> int | None:
+    """The recording to hold out instead, where a law is asked beyond what it was fitted on.
+
+    A curve says nothing where nothing went, so a run that goes further than all others puts it to
+    no test. Of the others the one is taken that is next to it in the order of frequency and goes
+    where the rest goes too. None: no law is asked so, or no recording lies within the others.
+
+    Args:
+        setting: the campaign. final: the model with the causes.
+    """
+    asked = [v.effect.id for v in final.variants if isinstance(v.effect, Law)]
+    if not asked or len(setting.held_out) != 1 or len(setting.fitted) < 2:
+        return None
+    (now,) = setting.held_out
+    beyond = POLICY.learning.elsewhere
+    if _outside(setting, final.fit, asked, now, setting.fitted) <= beyond:
+        return None
+
+    def order(i: int) -> tuple[bool, float, int]:
+        r, held = setting.recordings[i], setting.recordings[now]
+        apart = abs((r.omega or 0.0) - (held.omega or 0.0))
+        return r.forced != held.forced, apart, i
+
+    for other in sorted(setting.fitted, key=order):
+        rest = [i for i in setting.fitted if i != other]
+        forced = [i for i in rest if setting.recordings[i].forced]
+        last_forced = setting.recordings[other].forced and not forced
+        rest.append(now)
+        if not last_forced and _outside(setting, final.fit, asked, other, rest) <= beyond:
+            return other
+    return None
+
+
+def _outside(
+    setting: Setting, fit: Fit, families: Sequence[str], one: int, others: Sequence[int]
+) -> float:
+    """Part of a recording's samples at which a law's argument lies beyond the others' range.
+
+    By the smoothed recordings: the choice of what is held out may not read its prediction.
+    """
+    seen = {i: _of_recording(setting, fit, i) for i in (one, *others)}
+    share = 0.0
+    for family in families:
+        x = seen[one][family]
+        low = min(seen[i][family].min() for i in others)
+        high = max(seen[i][family].max() for i in others)
+        margin = MARGIN * (high - low)
+        share = max(share, float(((x < low - margin) | (x > high + margin)).mean()))
+    return share
+
+
+def _of_recording(setting: Setting, fit: Fit, i: int) -> dict[str, np.ndarray]:
+    """The argument of each law at the samples of a smoothed recording."""
+    smooth = setting.prepared[i].smooth
+    return _arguments(setting, fit, np.full(len(smooth), i), np.arange(len(smooth)), smooth)
 
 
 def share_outside(setting: Setting, fit: Fit, variant: Variant) -> float:

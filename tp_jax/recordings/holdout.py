@@ -16,8 +16,12 @@ _AT_REST = 10.0
 """Noise levels around its final angle within which a pendulum counts as at rest."""
 
 
-def hold_out(campaign: Campaign) -> Campaign:
+def hold_out(campaign: Campaign, instead: int | None = None) -> Campaign:
     """A campaign with held-out recordings: itself where some are marked, else one is chosen.
+
+    Args:
+        campaign: see `load_campaign`.
+        instead: number of the recording to hold out; None: chosen as follows.
 
     From three recordings on, a whole one is held out: of three or more forced ones that at three
     quarters of the order of frequency, so that it is predicted mostly between fitted frequencies;
@@ -31,7 +35,7 @@ def hold_out(campaign: Campaign) -> Campaign:
     recordings = campaign.recordings
     if len(recordings) < 3:
         return replace(campaign, recordings=_cut(recordings))
-    chosen = _whole(recordings)
+    chosen = _whole(recordings) if instead is None else recordings[instead]
     return replace(
         campaign,
         recordings=tuple(
