@@ -1,8 +1,7 @@
-"""Pieces that cost next to nothing, and a hand that kills workers."""
+"""Pieces that cost next to nothing."""
 
 import os
 import signal
-import threading
 import time
 from pathlib import Path
 
@@ -48,39 +47,3 @@ def where() -> tuple[int, int]:
 def some_pieces(count: int, begun: Path) -> list[Piece]:
     begun.mkdir(exist_ok=True)
     return [Piece(f"piece-{i}", (i, begun)) for i in range(count)]
-
-
-def begun_times(begun: Path) -> dict[int, int]:
-    """How often each piece was begun."""
-    return {int(f.stem): len(f.read_text().split()) for f in begun.glob("*.txt")}
-
-
-class Hand:
-    """Kills the process that began a piece last, every so many seconds, so many times."""
-
-    def __init__(self, begun: Path, times: int, every_s: float = 1.5) -> None:
-        self.begun, self.times, self.every_s = begun, times, every_s
-        self.killed: list[int] = []
-        self._thread = threading.Thread(target=self._strike, daemon=True)
-
-    def __enter__(self) -> "Hand":
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.times = 0
-        self._thread.join()
-
-    def _strike(self) -> None:
-        while len(self.killed) < self.times:
-            files = sorted(self.begun.glob("*.txt"), key=lambda f: f.stat().st_mtime_ns)
-            pids = [int(pid) for f in files for pid in f.read_text().split()]
-            new = [pid for pid in pids if pid not in self.killed]
-            if new:
-                try:
-                    os.kill(new[-1], signal.SIGKILL)
-                except ProcessLookupError:
-                    pass
-                else:
-                    self.killed.append(new[-1])
-            time.sleep(self.every_s if new else 0.05)

@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-from tests.executors.stand_in import Hand, begun_times, some_pieces, summed
+from scripts._executors import Hand, begun_times
+from tests.executors.stand_in import some_pieces, summed
 from tp_jax.errors import InputError
 from tp_jax.executors import ExecutorChoice, run_pieces, slurm_jobs
 

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from scripts._executors import Hand, begun_times
 from tests.executors import stand_in
-from tests.executors.stand_in import Hand, begun_times, some_pieces, summed
+from tests.executors.stand_in import some_pieces, summed
 from tests.waiting import running, until
 from tp_jax.executors import ExecutorChoice, Piece, done_before, forget_pieces, run_pieces
 from tp_jax.executors.calls import Fault
