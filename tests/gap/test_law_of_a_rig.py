@@ -11,7 +11,8 @@ from tp_jax.cli.output import json_text
 from tp_jax.effects import AnyLaw, catalogue
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
 from tp_jax.gap.assemble import assemble
-from tp_jax.gap.learned import _on_windows_of, choose_or_learn
+from tp_jax.gap.choice import choose
+from tp_jax.gap.learned import _on_windows_of, learn
 from tp_jax.gap.predict import predict
 from tp_jax.gap.visited import inside_of_others, share_outside
 from tp_jax.recordings import hold_out
@@ -37,7 +38,7 @@ def found():
     effects = [catalogue()["sensor1_nonlinearity"], AnyLaw()]
     setting = prepare_campaign(campaign, effects=effects)
     baseline = grow(setting, initial_values(setting), setting.unknowns())
-    choice = choose_or_learn(setting, baseline, 0, silent)
+    choice = learn(setting, choose(setting, baseline, 0, silent), 0, silent)
     return setting, choice, json.loads(json_text(assemble(setting, choice, 0)))
 
 

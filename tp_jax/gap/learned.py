@@ -19,7 +19,7 @@ from tp_jax.effects import AnyLaw, Law
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit
-from tp_jax.gap.choice import Choice, Round, choose, confirmed, looked_at, misfits, tried
+from tp_jax.gap.choice import Choice, Round, confirmed, looked_at, misfits, tried
 from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import earned
@@ -34,15 +34,14 @@ log = logging.getLogger(__name__)
 Progress = Callable[[str, float | None], None]
 
 
-def choose_or_learn(
-    setting: Setting, baseline: Fit, seed: int, progress: Progress, known: Refit | None = None
+def learn(
+    setting: Setting, choice: Choice, seed: int, progress: Progress, known: Refit | None = None
 ) -> Choice:
-    """The causes of `choose`; where they leave structure, laws are tried too.
+    """A choice of causes, with a law where they leave structure and a law takes it.
 
     Args:
-        setting, baseline, seed, progress, known: see `choose`.
+        setting, seed, progress, known: see `choose`. choice: which that gave.
     """
-    choice = choose(setting, baseline, seed, progress, known)
     if not setting.layout.learned or not unexplained(setting, choice):
         return choice
     return _with_law(setting, choice, seed, progress, known) or choice
