@@ -134,6 +134,16 @@ def test_recordings_are_listed_with_their_use(made):
         assert part in said
 
 
+def test_what_is_gone_on_each_recording_stands_beside_it(made):
+    diagnosis = made("explained")
+    assert "gap gone, not fitted" not in run_tables.data(diagnosis).head
+    diagnosis["gap"]["shrink_by_recording"] = {"run-06.csv": 0.934, "decay.csv": None}
+    table = run_tables.data(diagnosis)
+    assert table.head[-1] == "gap gone, not fitted"
+    assert [row[-1] for row in table.rows] == ["–", "93 %", "–"]
+    assert "gap gone, not fitted" in Page(render(diagnosis)).text
+
+
 def test_errors_stand_by_recording_and_angle(made):
     table = run_tables.runs(made("explained"))
     assert [row[:2] for row in table.rows] == [("run-17.csv", "φ1"), ("run-17.csv", "φ2")]

@@ -20,6 +20,7 @@ from tp_jax.gap.acceptance import (
     without_harm,
 )
 from tp_jax.gap.agreement import agreement
+from tp_jax.gap.by_recording import shrink_by_recording
 from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import free_structure
@@ -123,6 +124,9 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
             "after": gap_after if ids else gap_before,
             "shrink": total.value if ids else (None if not total.significant else 0.0),
             "shrink_ci95": list(total.ci95) if ids and total.ci95 else None,
+            "shrink_by_recording": (
+                shrink_by_recording(setting, choice, horizon, seed) if ids else {}
+            ),
             "held_out": [setting.recordings[i].name for i in setting.held_out],
             "horizon_s": horizon,
             "removable_significant": total.significant,

@@ -124,16 +124,20 @@ def _in_common(x: np.ndarray) -> float:
 FIXED_BY_RECORDING = ("omega", "running", "metered", "drift_middle", "drift_rate")
 
 
-def evaluate(setting: Setting, values: Values, horizon: float, effects=()) -> HeldOut:
-    """Windowed errors of a model on the held-out recordings.
+def evaluate(
+    setting: Setting, values: Values, horizon: float, effects=(), which: Sequence[int] | None = None
+) -> HeldOut:
+    """Windowed errors of a model on some recordings (the held-out ones if None).
 
-    Only window states are estimated there (and the zeros of phi2, where an effect depends on
-    them).
+    What belongs to a recording is what the others that were fitted have in common. Only window
+    states are estimated there (and the zeros of phi2, where an effect depends on them).
     """
-    values = carried_over(values, setting)
-    problem = setting.problem(horizon, setting.held_out)
+    which = setting.held_out if which is None else list(which)
+    others = [i for i in setting.fitted if i not in which]
+    values = expected_elsewhere(values, setting, others, which)
+    problem = setting.problem(horizon, which)
     # zero1 belongs to the campaign and is known from the fit; that of phi2 to the recording.
-    extra, priors = nuisances(list(effects), setting, setting.held_out)
+    extra, priors = nuisances(list(effects), setting, which)
     unknowns = [u for u in extra if u.recording is not None]
     anchors = [a for a in priors if a.unknown in unknowns]
     result = fit(problem, values, unknowns, anchors=anchors, max_iterations=12, relative=1e-5)

@@ -5,7 +5,7 @@ from typing import Any
 
 from tp_jax.report import reading
 from tp_jax.report.figures import curves
-from tp_jax.report.formatting import MISSING, angles, duration
+from tp_jax.report.formatting import MISSING, angles, duration, percent
 from tp_jax.report.tables import Table, made
 
 
@@ -43,8 +43,9 @@ def _errors_of(diagnosis: Mapping[str, Any], key: str) -> dict[tuple[str, str], 
 
 
 def data(diagnosis: Mapping[str, Any]) -> Table | None:
-    """The recordings, how they were driven and what they were used for."""
+    """The recordings, how they were driven, what they were used for, and what is gone there."""
     rows = []
+    gone = reading.table(diagnosis, "gap", "shrink_by_recording")
     for run in reading.rows(diagnosis, "recordings"):
         omega = reading.value(run, "omega")
         drive = "measured drive" if omega is None else f"{omega:.4g} rad/s"
@@ -52,13 +53,17 @@ def data(diagnosis: Mapping[str, Any]) -> Table | None:
             drive = "free decay"
         used = {True: "held out, never fitted", False: "fitted"}.get(run.get("held_out"), MISSING)  # type: ignore[arg-type]
         length, samples = reading.value(run, "duration"), reading.value(run, "samples")
+        label = reading.text(run, "label") or MISSING
+        part = reading.value(gone, label)
         rows.append(
             (
-                reading.text(run, "label") or MISSING,
+                label,
                 drive,
                 MISSING if length is None else duration(length),
                 MISSING if samples is None else f"{samples:,.0f}",
                 used,
+                *((MISSING if part is None else percent(part),) if gone else ()),
             )
         )
-    return made(("Recording", "driven at", "length", "samples", "used"), rows, 2, 3)
+    head = ("Recording", "driven at", "length", "samples", "used")
+    return made((*head, "gap gone, not fitted") if gone else head, rows, 2, 3, 5)

@@ -111,6 +111,7 @@ SCHEMA: dict[str, Any] = {
                         "after": _ERRORS,
                         "shrink": NUMBER_OR_NULL,
                         "shrink_ci95": INTERVAL,
+                        "shrink_by_recording": each(NUMBER_OR_NULL),
                         "held_out": listed(NAME),
                         "horizon_s": NUMBER_OR_NULL,
                         "removable_significant": FLAG,
