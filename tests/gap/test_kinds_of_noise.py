@@ -87,7 +87,7 @@ def test_what_a_large_gap_leaves_is_not_asked_for_noise(monkeypatch, chi2_dof, a
         return choice
 
     monkeypatch.setattr(known_noise, "with_noise_of", with_noise_of)
-    monkeypatch.setattr(known_noise, "choose", choose)
+    monkeypatch.setattr(known_noise, "choose_or_learn", choose)
     monkeypatch.setattr(known_noise, "with_residual_noise", lambda setting, _: setting)
     choose_under_noise(bare, baseline, 0, print)
     assert calls == ["asked", "chosen"][0 if asked else 1 :]

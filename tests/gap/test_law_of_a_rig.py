@@ -10,9 +10,11 @@ from tests.rigs import synthetic_campaign
 from tp_jax.cli.output import json_text
 from tp_jax.effects import AnyLaw, catalogue
 from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.gap import visited
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import choose
-from tp_jax.gap.learned import _on_windows_of, learn
+from tp_jax.gap.learned import _on_windows_of, choose_or_learn, learn
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.predict import predict
 from tp_jax.gap.visited import inside_of_others, share_outside
 from tp_jax.recordings import hold_out
@@ -38,7 +40,7 @@ def found():
     effects = [catalogue()["sensor1_nonlinearity"], AnyLaw()]
     setting = prepare_campaign(campaign, effects=effects)
     baseline = grow(setting, initial_values(setting), setting.unknowns())
-    choice = learn(setting, choose(setting, baseline, 0, silent), 0, silent)
+    choice = choose_or_learn(setting, baseline, 0, silent)
     return setting, choice, json.loads(json_text(assemble(setting, choice, 0)))
 
 
@@ -49,6 +51,23 @@ def test_the_law_is_named_and_the_gap_is_gone(found):
     assert result["verdict"] == "explained"
     assert [(c["effect"], c["kind"]) for c in result["causes"]] == [(LAW, "learned")]
     assert result["gap"]["shrink"] > 0.95
+
+
+def test_no_second_formula_is_sought_before_it(found):
+    _, choice, _ = found
+    first, end = choice.rounds
+    assert set(first.refits) == {"sensor1_nonlinearity", LAW}
+    assert first.taken == LAW
+    assert end.taken is None
+
+
+def test_it_is_named_too_once_formulas_have_done_what_they_can(found):
+    setting, choice, _ = found
+    formulas = choose(setting, choice.rounds[0].searched, 0, silent)
+    assert LAW not in formulas.causes
+    late = learn(setting, formulas, 0, silent)
+    assert late.causes == (LAW,)
+    assert late.final.fit.chi2_dof == pytest.approx(choice.final.fit.chi2_dof, rel=1e-3)
 
 
 def test_the_curve_is_that_of_the_rig(found):
@@ -92,9 +111,11 @@ def test_formulas_and_laws_are_compared_on_the_same_windows(found):
     assert share_outside(setting, moved.fit, variant) == 0.0
 
 
-def test_a_run_that_goes_further_than_all_others_is_not_held_out(found):
-    """The decay begins at 1.2 rad, which no forced run reaches."""
+def test_a_run_that_goes_further_than_all_others_is_not_held_out(found, monkeypatch):
+    """The decay begins at 1.2 rad, which no forced run reaches, and is soon back among them."""
     setting, choice, _ = found
+    learning = dataclasses.replace(POLICY.learning, elsewhere=0.0)
+    monkeypatch.setattr(visited, "POLICY", dataclasses.replace(POLICY, learning=learning))
 
     def held(*which):
         recordings = [

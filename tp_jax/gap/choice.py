@@ -94,7 +94,7 @@ class Choice:
 
 def choose(
     setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None],
-    known: Refit | None = None,
+    known: Refit | None = None, elsewhere: Callable[[Round], bool] | None = None,
 ) -> Choice:  # fmt: skip
     """Adds causes one by one while the data inside the fit support them.
 
@@ -104,6 +104,8 @@ def choose(
         setting, baseline, seed, progress: see `diagnose`.
         known: causes as they were found under another noise. They are judged anew beside their
             rivals; only the way to their optimum is not gone a second time.
+        elsewhere: asked once the first round's refits are done; whether something else than effects
+            of the catalogue is the cause. The choice then ends without a cause.
     """
     current = Refit(baseline, ())
     rounds: list[Round] = []
@@ -160,6 +162,11 @@ def choose(
                     trial = regrown(setting, current.fit, trial)
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
+        if n == 0 and elsewhere is not None:
+            r = Round(before, current.fit, seen, structure, refits, gains, None)
+            if elsewhere(r):
+                rounds.append(r)
+                break
         best = likeliest(refits) if small else most_promising(refits, gains, block)
         if small or earned(*gains[best], left_now, refits[best]):
             # What comes next is a look at every effect without states beside those that are in.

@@ -9,8 +9,8 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.residual_noise import with_residual_noise
 from tp_jax.estimation.variable_projection import fit
-from tp_jax.gap.choice import Choice, choose
-from tp_jax.gap.learned import learn
+from tp_jax.gap.choice import Choice
+from tp_jax.gap.learned import choose_or_learn, learn
 from tp_jax.gap.policy import POLICY, NoisePolicy
 from tp_jax.gap.refit import Refit, lengthened
 
@@ -21,13 +21,13 @@ def choose_under_noise(
     """The causes, and the campaign with its noise as it shows once they are in.
 
     Where the data alone do not say what colour the noise has, what the baseline leaves does, and
-    some of that may be gap. What the causes leave says it better; then all is judged anew. Laws,
-    which take the longest, are asked for once the noise is known so.
+    some of that may be gap. What the causes leave says it better; then all is judged anew. Laws
+    beside causes, which take the longest, are asked for once the noise is known so.
     """
     asked = baseline.chi2_dof < POLICY.noise.below
     if asked:
         setting, baseline = with_noise_of(setting, baseline, baseline)
-    choice = choose(setting, baseline, seed, progress)
+    choice = choose_or_learn(setting, baseline, seed, progress)
     if all(not r.forced for r in setting.recordings):
         setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
     known = None
@@ -35,7 +35,7 @@ def choose_under_noise(
         if not alike(setting, with_residual_noise(setting, choice.final.fit)):
             known, looks = choice.final, choice.looks
             setting, baseline = with_noise_of(setting, known.fit, baseline)
-            choice = choose(setting, baseline, seed, progress, known)
+            choice = choose_or_learn(setting, baseline, seed, progress, known)
             choice = dataclasses.replace(choice, looks=looks)
     return setting, learn(setting, choice, seed, progress, known)
 
@@ -75,7 +75,7 @@ def _looked_longer(
             break
         progress("longer windows", None)
         setting, baseline = with_noise_of(setting, longer, longer)
-        choice = choose(setting, baseline, seed, progress)
+        choice = choose_or_learn(setting, baseline, seed, progress)
         choice = dataclasses.replace(choice, looks=look + 2)
     return setting, baseline, choice
 

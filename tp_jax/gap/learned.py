@@ -3,10 +3,11 @@
 A law is a curve at a place over one quantity (`tp_jax.effects.laws`); its coefficients have a prior
 that makes it smooth. All laws are screened from one linearisation, where their log evidence with
 that prior ranks them: a curve of twelve numbers always takes something, and evidence charges for
-what it could have taken. The best are refitted alone and, where none of them leaves noise alone,
-beside the causes that were found. They have to pass what a cause has to pass: a fall of the
-left-out sum of squares, a confirmation by recordings left out. A law alone that does better than
-the formulas replaces them: the nearest formula is not the cause.
+what it could have taken. Where no formula leaves noise alone the best law is tried before a second
+formula is. Otherwise the best are refitted once formulas have done what they can: alone and, where
+none of them leaves noise alone, beside the causes that were found. They have to pass what a cause
+has to pass: a fall of the left-out sum of squares, a confirmation by recordings left out. A law
+alone that does better than the formulas replaces them: the nearest formula is not the cause.
 """
 
 import dataclasses
@@ -15,23 +16,81 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tp_jax.effects import AnyLaw, Law
+from tp_jax.effects import AnyLaw
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit
-from tp_jax.gap.choice import Choice, Round, confirmed, looked_at, misfits, tried
+from tp_jax.gap.choice import Choice, Round, choose, confirmed, looked_at, misfits, tried
 from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import earned
 from tp_jax.gap.policy import POLICY, LearningPolicy
 from tp_jax.gap.refit import Refit, lengthened, polish, refit, regrown, removable, sharper
-from tp_jax.gap.screen import Scored, Screen, prior_information, screen
-from tp_jax.gap.structure import structure_test
+from tp_jax.gap.screen import Scored, prior_information, screen
+from tp_jax.gap.structure import Structure, structure_test
 from tp_jax.gap.visited import with_supports
 
 log = logging.getLogger(__name__)
 
 Progress = Callable[[str, float | None], None]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Trial:
+    """A law that was refitted: beside `base`, as `round` saw it; gain over `base`."""
+
+    result: Refit
+    base: Refit
+    round: Round
+    gain: tuple[float, float]
+
+
+def choose_or_learn(
+    setting: Setting, baseline: Fit, seed: int, progress: Progress, known: Refit | None = None
+) -> Choice:
+    """The causes of `choose`, or a law that does alone what no formula does.
+
+    A bearing that is rough in one place looks like three or four formulas together. So where none
+    of the first round's leaves noise alone, and a law has more evidence than the best of them could
+    have, it is refitted before a second formula is sought.
+
+    Args:
+        setting, baseline, seed, progress, known: see `choose`.
+    """
+    if not setting.layout.learned:
+        return choose(setting, baseline, seed, progress, known)
+    found: list[_Trial] = []
+
+    def elsewhere(r: Round) -> bool:
+        found.extend(_alone(with_supports(setting, r.searched), r, progress, known))
+        return bool(found)
+
+    choice = choose(setting, baseline, seed, progress, known, elsewhere)
+    if not found:
+        return choice
+    supported = with_supports(setting, choice.rounds[0].searched)
+    law = _first_accepted(supported, choice, found, seed, progress)
+    return law or choose(setting, baseline, seed, progress, known)
+
+
+def _alone(setting: Setting, r: Round, progress: Progress, known: Refit | None) -> list[_Trial]:
+    """The law that leaves noise alone where every formula leaves more, or none."""
+    best = min((result.fit for result in r.refits.values()), key=removable, default=r.searched)
+    if removable(best) < _worth_asking(best):
+        return []
+    drop = max((s.drop for s in r.screen.scored), default=0.0)
+    promised = drop / (2.0 * max(r.before.chi2_dof, 1.0))
+    return [
+        trial
+        for trial in _tried(setting, r, Refit(r.searched, ()), progress, known, 1, promised)
+        if _nothing_left(trial.result.fit)
+    ]
+
+
+def _worth_asking(fit: Fit, policy: LearningPolicy = POLICY.learning) -> float:
+    """Sum of squares beyond the noise from which a curve could be told from chance."""
+    least = policy.deviance * max(fit.chi2_dof, 1.0)
+    return max(least, policy.chance * float(np.sqrt(2.0 * fit.dof)))
 
 
 def learn(
@@ -50,20 +109,9 @@ def learn(
 def unexplained(setting: Setting, choice: Choice, policy: LearningPolicy = POLICY.learning) -> bool:
     """Whether so much more than noise is left that a curve could be told from it."""
     final = choice.final.fit
-    least = policy.deviance * max(final.chi2_dof, 1.0)
-    if removable(final) < max(least, policy.chance * np.sqrt(2.0 * final.dof)):
+    if removable(final) < _worth_asking(final, policy):
         return False
     return choice.structure.p < POLICY.structure.seen or misfits(setting, final)
-
-
-@dataclasses.dataclass(frozen=True)
-class _Trial:
-    """A law that was refitted: beside `base`, seen from `seen`; gain over `base`."""
-
-    result: Refit
-    base: Refit
-    round: Round
-    gain: tuple[float, float]
 
 
 def _with_law(
@@ -77,6 +125,14 @@ def _with_law(
     if choice.final.ids and not any(_nothing_left(t.result.fit) for t in trials):
         beside = Refit(last.searched, choice.final.variants)
         trials += _tried(setting, last, beside, progress, known)
+    return _first_accepted(setting, choice, trials, seed, progress)
+
+
+def _first_accepted(
+    setting: Setting, choice: Choice, trials: list[_Trial], seed: int, progress: Progress
+) -> Choice | None:
+    """The choice with the best law that passes what a cause has to pass, or None."""
+    last = choice.rounds[-1]
     # The formulas' windows may have been lengthened since the first round: sums of squares are
     # compared on those.
     there = [(t, _on_windows_of(setting, t.result, last.searched)) for t in trials]
@@ -110,26 +166,31 @@ def _on_windows_of(setting: Setting, result: Refit, fit: Fit) -> Refit:
 
 
 def _tried(
-    setting: Setting, r: Round, base: Refit, progress: Progress, known: Refit | None
-) -> list[_Trial]:
-    """The laws with the largest evidence, refitted beside what is in a model."""
+    setting: Setting, r: Round, base: Refit, progress: Progress, known: Refit | None,
+    many: int = POLICY.learning.refitted, least: float = 0.0,
+) -> list[_Trial]:  # fmt: skip
+    """The laws with the largest evidence, refitted beside what is in a model.
+
+    Args:
+        setting: with the laws' ranges. r: from which the laws are screened. base: what is in.
+        progress, known: see `choose`. many: laws at most. least: log evidence that they have.
+    """
     progress("screening laws that nobody wrote down", None)
-    seen = screen(r.before, setting, skip=base.ids, states=not base.ids, learned=True)
-    ranked = sorted(
-        (s for s in seen.scored if isinstance(s.variant.effect, Law)),
-        key=lambda s: -_evidence(r.before, s),
-    )
+    formulas = [*base.ids, *(e.id for e in setting.layout.effects)]
+    laws_alone = screen(r.before, setting, skip=formulas, learned=True)
+    ranked = sorted(laws_alone.scored, key=lambda s: -_evidence(r.before, s))[:many]
+    ranked = [s for s in ranked if _evidence(r.before, s) > least]
     reference = left_out_cost(base.fit)
     out: list[_Trial] = []
-    for i, s in enumerate(ranked[: POLICY.learning.refitted]):
-        progress(f"refitting a curve: {s.id}", i / POLICY.learning.refitted)
+    for i, s in enumerate(ranked):
+        progress(f"refitting a curve: {s.id}", i / len(ranked))
         base.fit.problem.programs.add({*base.ids, AnyLaw.id})
         trial = tried(setting, base, s, known)
         if not _nothing_left(trial.fit):
             trial = regrown(setting, base.fit, trial)
         trial = polish(setting, trial)
         found = gain(reference, left_out_cost(trial.fit), blocks_of(trial.fit, setting))
-        out.append(_Trial(trial, base, _beside(r, seen, trial, s), found))
+        out.append(_Trial(trial, base, r, found))
         log.info("%s: log evidence %.4g, left-out gain %.4g +- %.3g",
                  "+".join(trial.ids), _evidence(r.before, s), *found)  # fmt: skip
         if _nothing_left(trial.fit):
@@ -168,11 +229,6 @@ def _evidence(fit: Fit, s: Scored) -> float:
     return log_evidence(score / misfit, s.V / misfit, prior_information(fit, s.variant))
 
 
-def _beside(r: Round, seen: Screen, trial: Refit, scored: Scored) -> Round:
-    """A round that has looked at a law as well."""
-    return dataclasses.replace(r, screen=seen, refits={**r.refits, scored.id: trial})
-
-
 def _taken(
     setting: Setting, choice: Choice, trial: _Trial, answer: Confirmation, seed: int,
     progress: Progress,
@@ -184,17 +240,27 @@ def _taken(
         polished = lengthened(setting, polished, POLICY.horizon.factor)
     progress("sharpening the friction", None)
     sharp = sharper(setting, polished)
-    before, seen, structure = looked_at(setting, polished, sharp, seed)
+    r, beside = trial.round, trial.base.ids
+    both = screen(r.before, setting, skip=beside, states=not beside, learned=True)
     # p values of laws beside those of the catalogue; that of the round stays what it was
-    told = structure_test(trial.round.screen, seed).by_variant
+    told = structure_test(both, seed).by_variant
     r = dataclasses.replace(
-        trial.round,
-        structure=dataclasses.replace(trial.round.structure, by_variant=told),
-        gains={**trial.round.gains, law: trial.gain},
-        confirmations={**trial.round.confirmations, law: answer},
+        r,
+        screen=both,
+        refits={**r.refits, law: trial.result},
+        structure=dataclasses.replace(r.structure, by_variant=told),
+        gains={**r.gains, law: trial.gain},
+        confirmations={**r.confirmations, law: answer},
         taken=law,
     )
     # a law alone is what the first round should have found; one beside causes is a round more
     earlier = choice.rounds[:-1] if trial.base.ids else ()
+    if _nothing_left(polished.fit):
+        # The whole catalogue beside a law is a program of its own, which takes minutes to compile,
+        # and what is left is chance by the test of the whole; the test without candidates follows.
+        before, seen = polished.fit, both
+        structure = Structure(1.0, np.ones(len(both.scored)), 0)
+    else:
+        before, seen, structure = looked_at(setting, polished, sharp, seed)
     end = Round(before, polished.fit, seen, structure, {}, {}, None)
     return dataclasses.replace(choice, rounds=(*earlier, r, end), final=sharp)
