@@ -21,7 +21,7 @@ def test_says_the_cause_and_the_numbers(made):
         "case-03", "contact_stribeck", "97 %", "98 % of the removable gap is gone",
         "96 % to 99 %", "52.0 mrad", "1.40 mrad", "1.00 mrad", "0.580", "0.550 to 0.610",
         "predicted shrink", "contact_asymmetry", "−40 %",
-        "Not told apart: contact_stribeck, contact_presliding", "8 rad/s", "6.1 standard",
+        "This data cannot tell contact_stribeck from contact_presliding.", "8 rad/s", "6.1 standard",
     ):  # fmt: skip
         assert part in " ".join(text.split()) or part in text
 
@@ -99,7 +99,7 @@ def test_many_causes_and_long_sentences_fit(made):
 @pytest.mark.parametrize(("groups", "end"), [(3, "; and 1 more group"), (5, "; and 3 more groups")])
 def test_groups_beyond_those_shown_are_counted(made, groups, end):
     diagnosis = made("explained")
-    diagnosis["confused_with"] = [["contact_stribeck", "contact_presliding"]] * groups
+    diagnosis["confused_with"] = [["sensor1_eccentricity", "sensor1_nonlinearity"]] * groups
     lines = [line for line in summary(diagnosis).splitlines() if "Not told apart" in line]
     assert len(lines) == 2
     assert lines[-1].endswith(end)
@@ -131,3 +131,15 @@ def test_what_to_do_about_a_cause(made):
     assert "For contact_stribeck: clean" in said
     assert said.endswith("For spring_asymmetry: mount the spring without slack.")
     assert sentences(made("unknown")).remedy == ""
+
+
+def test_a_candidate_that_is_likely_and_no_cause_says_why(made):
+    diagnosis = made("explained")
+    assert "why it is no cause" not in summary(diagnosis)
+    row = next(r for r in diagnosis["candidates"] if r["effect"] == "contact_presliding")
+    row["note"] = "with it held-out recordings are predicted worse"
+    lines = summary(diagnosis).splitlines()
+    head = next(line for line in lines if line.startswith("candidate"))
+    assert head.endswith("why it is no cause")
+    assert any(line.endswith(row["note"]) for line in lines)
+    assert len(lines) <= 25

@@ -26,7 +26,7 @@ from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
-from tp_jax.gap.notes import beyond_its_range, elsewhere, notes
+from tp_jax.gap.notes import beyond_its_range, elsewhere, notes, why_no_cause
 from tp_jax.gap.refit import Refit
 from tp_jax.gap.relative import told
 from tp_jax.gap.screen import screen
@@ -103,6 +103,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
     said += elsewhere(where, final)
     said += beyond_its_range(setting, final, after.fit)
     labels = [r.label for r in setting.recordings]
+    against = why_no_cause(choice, worse or dropped, doubts)
     named = tables.causes(
         setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least,
         doubts.unnamed,
@@ -144,7 +145,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
         },
         "where": [dataclasses.asdict(s) for s in where],
         "causes": named,
-        "candidates": tables.candidates(setting, choice, probabilities, shrinks),
+        "candidates": tables.candidates(setting, choice, probabilities, shrinks, against),
         "confused_with": tied(setting, choice, no_gap),
         "minimum_detectable": tables.detectable(choice),
         "absorbed": tables.absorbed(setting, baseline, final.fit) if ids else {},

@@ -76,10 +76,9 @@ def notes(
     bound = [u.name for u, b in zip(final.fit.unknowns, final.fit.at_bound, strict=True) if b]
     if bound:
         said.append(f"At a bound: {', '.join(bound)}.")
-    refused = {id: c for r in choice.rounds for id, c in r.confirmations.items() if not c.confirmed}
-    for id, confirmation in refused.items():
+    for id, reason in unconfirmed(choice).items():
         if id not in final.ids:
-            said.append(f"{id} would fit the recordings better, but {confirmation.reason}.")
+            said.append(f"{id} would fit the recordings better, but {reason}.")
     if worse:
         said.append(
             f"With {' and '.join(worse)} the held-out recordings are predicted worse than without: "
@@ -104,6 +103,26 @@ def notes(
         said.append("No effect of the catalogue explains the gap.")
         said += _likeness(anything)
     return said
+
+
+def unconfirmed(choice: Choice) -> dict[str, str]:
+    """Why recordings left out speak against an effect that fits better, a clause by its id."""
+    found = {id: c for r in choice.rounds for id, c in r.confirmations.items()}
+    return {id: c.reason for id, c in found.items() if not c.confirmed}
+
+
+def why_no_cause(choice: Choice, worse: Sequence[str], doubts: Doubts) -> dict[str, str]:
+    """What keeps an effect that fits better from being a cause, a clause by its id.
+
+    Args:
+        choice: of causes. worse: those that predict held-out recordings worse. doubts: the others
+            that were taken out of it again.
+    """
+    return {
+        **unconfirmed(choice),
+        **dict.fromkeys(doubts.every, "it is not likely enough or of no certain size"),
+        **dict.fromkeys(worse, "with it held-out recordings are predicted worse"),
+    }
 
 
 def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:

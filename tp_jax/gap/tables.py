@@ -111,7 +111,13 @@ def _sizes(setting: Setting, final: Refit) -> dict[str, dict]:
     return out
 
 
-def candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrink]) -> list[dict]:
+def candidates(
+    setting, choice: Choice, probabilities, shrinks: dict[str, Shrink], against: dict[str, str]
+) -> list[dict]:
+    """The whole catalogue, most probable first, and the laws that were refitted.
+
+    `against` says by id what keeps an effect that fits better from being a cause.
+    """
     first = choice.rounds[0]
     gap = max(removable(first.before), 1e-12)
     significant = first.structure.p < POLICY.structure.seen
@@ -133,6 +139,7 @@ def candidates(setting, choice: Choice, probabilities, shrinks: dict[str, Shrink
                 "p": float(first.structure.by_variant[first.screen.scored.index(s)])
                 if s.drop > 0.0
                 else 1.0,
+                "note": None if s.id in choice.causes else against.get(s.id),
             }
         )
     rows.sort(key=lambda row: -row["probability"])

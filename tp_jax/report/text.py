@@ -39,7 +39,8 @@ def _verdict(diagnosis: Mapping[str, Any]) -> list[str]:
     said = verdict.sentences(diagnosis)
     name = reading.text(diagnosis, "campaign")
     lines = [f"{name}: {said.heading}" if name else said.heading]
-    for sentence in (said.where, said.what, f"{said.how_far} {said.agreement}".strip()):
+    what = f"{said.what} {said.tied}".strip()
+    for sentence in (said.where, what, f"{said.how_far} {said.agreement}".strip()):
         lines += textwrap.wrap(sentence, WIDTH)
     lines += textwrap.wrap(f"What to do: {said.remedy}" if said.remedy else "", WIDTH)
     return lines
@@ -87,16 +88,21 @@ def _candidates(
             percent(row.get("predicted_shrink")),
             percent(row.get("realised_shrink")),
             probability(row.get("probability")),
+            reading.text(row, "note"),
         ]
         for row in found[:_MOST_CANDIDATES]
         if reading.text(row, "effect") not in named
     ]
-    return _table(["candidate", "predicted shrink", "realised shrink", "probability"], body)
+    head = ["candidate", "predicted shrink", "realised shrink", "probability", "why it is no cause"]
+    noted = any(row[-1] for row in body)
+    return _table(head, body) if noted else _table(head[:-1], [row[:-1] for row in body])
 
 
 def _last(diagnosis: Mapping[str, Any]) -> list[str]:
     lines = []
-    groups = reading.groups(diagnosis)
+    causes = {reading.text(cause, "effect") for cause in reading.causes(diagnosis)}
+    # what a cause is not told from stands beside it
+    groups = [group for group in reading.groups(diagnosis) if not causes & set(group)]
     for group in groups[:_MOST_GROUPS]:
         lines.append(_line("Not told apart: " + ", ".join(group)))
     if len(groups) > _MOST_GROUPS:
