@@ -133,7 +133,7 @@ def examine(
             first = campaign.held_out[0].name
             campaign = hold_out(given, other)
             progress(f"beginning anew, with {campaign.held_out[0].name} held out", None)
-            setting, choice = _chosen(campaign, model, seed, without, progress)
+            setting, choice = _chosen(campaign, model, seed, without, progress, gap=True)
         progress("reading the held-out recordings", None)
         result = assemble(setting, choice, seed, tolerance)
     if other is not None:
@@ -149,9 +149,13 @@ def examine(
 
 def _chosen(
     campaign: Campaign, model: str, seed: int, without: Collection[str],
-    progress: Callable[[str, float | None], None],
+    progress: Callable[[str, float | None], None], gap: bool = False,
 ) -> tuple[Setting, Choice]:  # fmt: skip
-    """The causes that fitted recordings speak for; the arguments are those of `diagnose`."""
+    """The causes that fitted recordings speak for.
+
+    Args:
+        campaign, model, seed, without, progress: see `diagnose`. gap: see `choose_under_noise`.
+    """
     setting = prepare_campaign(campaign, model=model, without=without)
     check_predictable(setting)
     setting.problem(setting.horizons[0]).compile_ahead(frozenset())
@@ -161,4 +165,4 @@ def _chosen(
             "The model cannot be integrated through the recordings from any start; check the units "
             "of times and angles, and that omega is in rad/s."
         )
-    return choose_under_noise(setting, baseline, seed, progress)
+    return choose_under_noise(setting, baseline, seed, progress, gap)

@@ -16,15 +16,20 @@ from tp_jax.gap.refit import Refit, lengthened
 
 
 def choose_under_noise(
-    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None]
-) -> tuple[Setting, Choice]:
+    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None],
+    gap: bool = False,
+) -> tuple[Setting, Choice]:  # fmt: skip
     """The causes, and the campaign with its noise as it shows once they are in.
 
     Where the data alone do not say what colour the noise has, what the baseline leaves does, and
     some of that may be gap. What the causes leave says it better; then all is judged anew. Laws
     beside causes, which take the longest, are asked for once the noise is known so.
+
+    Args:
+        setting, baseline, seed, progress: see `choose`.
+        gap: whether there is known to be one: what the baseline leaves is then not asked for noise.
     """
-    asked = baseline.chi2_dof < POLICY.noise.below
+    asked = baseline.chi2_dof < POLICY.noise.below and not gap
     if asked:
         setting, baseline = with_noise_of(setting, baseline, baseline)
     choice = choose_or_learn(setting, baseline, seed, progress)

@@ -20,7 +20,7 @@ from tp_jax.effects import AnyLaw
 from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit
-from tp_jax.gap.choice import Choice, Round, choose, confirmed, looked_at, misfits, tried
+from tp_jax.gap.choice import FURTHER, Choice, Round, choose, confirmed, looked_at, misfits, tried
 from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import earned
@@ -189,6 +189,8 @@ def _tried(
         if not _nothing_left(trial.fit):
             trial = regrown(setting, base.fit, trial)
         trial = polish(setting, trial)
+        if not trial.fit.converged:
+            trial = polish(setting, trial, FURTHER)
         found = gain(reference, left_out_cost(trial.fit), blocks_of(trial.fit, setting))
         out.append(_Trial(trial, base, r, found))
         log.info("%s: log evidence %.4g, left-out gain %.4g +- %.3g",
