@@ -112,7 +112,7 @@ def whole(path: Path) -> bool:
 def _zstd() -> Callable[[bytes], bytes] | None:
     """As JAX finds it."""
     try:
-        from compression import zstd  # Python 3.14
+        from compression import zstd  # Python 3.14  # pyright: ignore[reportMissingImports]
     except ImportError:
         pass
     else:

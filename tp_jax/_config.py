@@ -141,7 +141,9 @@ def programs_folder() -> Path | None:
 
     try:
         ours = cache_folder()
-        if jax.config.jax_compilation_cache_dir != str(ours):
+        # JAX's settings are made at run time, so that its class does not tell of them
+        kept = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
+        if kept != str(ours):
             return None
         folder = ours.with_name("programs")
         _cache.made(folder)

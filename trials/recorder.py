@@ -71,7 +71,7 @@ class Sensor:
         x = angle + self.zero + self.white * rng.standard_normal(angle.size)
         if self.coloured > 0.0:
             e = rng.standard_normal(angle.size + SETTLED)
-            y = signal.lfilter([1.0], [1.0, -self.ar[0], -self.ar[1]], e)[SETTLED:]
+            y = np.asarray(signal.lfilter([1.0], [1.0, -self.ar[0], -self.ar[1]], e))[SETTLED:]
             one, two = self.ar
             variance = (1.0 - two) / ((1.0 + two) * ((1.0 - two) ** 2 - one**2))
             x = x + self.coloured / math.sqrt(variance) * y

@@ -11,6 +11,7 @@ import pytest
 from tp_jax.cli.diagnose import EXAMPLE
 from tp_jax.errors import InputError
 from tp_jax.recordings import CampaignError, load_campaign
+from tp_jax.recordings.readers import Unreadable, hdf5
 
 
 @functools.cache
@@ -115,6 +116,13 @@ def test_a_library_that_is_missing_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "h5py", None)
     with pytest.raises(CampaignError, match=r"h5py is not installed; pip install 'tp-jax\[hdf5\]'"):
         load_campaign(tmp_path / "run.h5", omega=13.09)
+
+
+def test_a_data_set_in_the_place_of_a_group_is_named(tmp_path):
+    with pytest.importorskip("h5py").File(tmp_path / "run.h5", "w") as content:
+        content["run/t"] = np.arange(9.0)
+    with pytest.raises(Unreadable, match='"run/t" is no group'):
+        hdf5.read(tmp_path / "run.h5", "run/t")
 
 
 BINARY = {

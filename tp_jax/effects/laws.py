@@ -25,6 +25,7 @@ from typing import Any
 import jax.numpy as jnp
 
 from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.model.arrays import AnyArray
 from tp_jax.model.motion import Motion
 
 DEGREE = 12
@@ -145,7 +146,7 @@ MIDDLE, HALF = "middle", "half"
 """Shape constants: middle and half width of the argument's range."""
 
 
-def curve(x: Any, middle: Any, half: Any, coefficients: Sequence[Any]) -> Any:
+def curve(x: Any, middle: Any, half: Any, coefficients: Sequence[Any] | AnyArray) -> Any:
     """Values of a curve, in units of its place's size.
 
     Args:

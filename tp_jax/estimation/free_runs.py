@@ -12,7 +12,7 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.windows import Prepared
 from tp_jax.model.arrays import AnyArray
-from tp_jax.model.drive import PiecewiseCubicDrive
+from tp_jax.model.drive import LanewiseDrive, PiecewiseCubicDrive
 from tp_jax.recordings import Recording
 from tp_jax.recordings.gaps import stretches
 from tp_jax.simulation.batch import lanes
@@ -67,9 +67,9 @@ class FreeRuns(eqx.Module):
         def field(t, y, q):
             model = self.layout.model(q)
             if group.pieces is not None:
-                drive = PiecewiseCubicDrive(
-                    model.drive.gain, model.drive.level, group.ts, group.pieces
-                )
+                lanewise = model.drive
+                assert isinstance(lanewise, LanewiseDrive)
+                drive = PiecewiseCubicDrive(lanewise.gain, lanewise.level, group.ts, group.pieces)
                 model = dataclasses.replace(model, drive=drive)
             return model.derivative(t, y)
 
@@ -111,7 +111,7 @@ class Group(eqx.Module):
 
 
 @eqx.filter_jit
-def _of_tables(runs: FreeRuns, tables: Array) -> Array:
+def _of_tables(runs: FreeRuns, tables: AnyArray) -> Array:
     return runs.of_tables(tables)
 
 

@@ -50,7 +50,7 @@ class Identification:
         for name, p in r["parameters"].items():
             low, high = p["ci95"] or (None, None)
             digits, span = 5, "fixed" if p["ci95"] is None else "at its bound"
-            if high is not None:
+            if low is not None and high is not None:
                 digits = max(digits_of(p["value"], low, high), 4)
                 span = f"{low:.{digits}g} to {high:.{digits}g}"
             mark = "" if p["identifiable"] else "  not identifiable"

@@ -27,6 +27,7 @@ from tp_jax.estimation.simplex import (
     converged,
     initial_simplex,
 )
+from tp_jax.model.arrays import AnyArray
 
 CHUNK = 4
 """Evaluations between two looks at which lanes go on."""
@@ -70,7 +71,7 @@ class NelderMead(optx.AbstractMinimiser):
     norm: Callable[[PyTree], Scalar] = optx.max_norm
     rule: Rule = eqx.field(default="scipy", static=True)
     adaptive: bool = eqx.field(default=False, static=True)
-    max_iterations: int | Array | None = None
+    max_iterations: int | AnyArray | None = None
 
     def init(self, fn, y, args, options, f_struct, aux_struct, tags) -> _State:  # noqa: ARG002
         x, _ = ravel_pytree(y)
@@ -201,7 +202,7 @@ def minimise_many(
 
 
 @eqx.filter_jit
-def _begun(fn: Callable, vertices: Array, args: Any, active: Array) -> Simplex:
+def _begun(fn: Callable, vertices: AnyArray, args: Any, active: AnyArray) -> Simplex:
     """Lanes with the values of their first vertices, which are asked for together."""
     size = vertices.shape[1]
     each = jax.tree.map(lambda x: jnp.repeat(x, size, axis=0), args)
@@ -209,7 +210,7 @@ def _begun(fn: Callable, vertices: Array, args: Any, active: Array) -> Simplex:
     values = jax.vmap(lambda x, a: fn(x, a, active * size))(points, each)
     free = jnp.full(vertices.shape[2], jnp.inf)
 
-    def one(vertices: Array, values: Array) -> Simplex:
+    def one(vertices, values) -> Simplex:
         put = lambda s, value: (absorb(s, value, Box(-free, free), Coefficients()), None)  # noqa: E731
         return jax.lax.scan(put, begin(vertices), values)[0]
 
@@ -217,7 +218,9 @@ def _begun(fn: Callable, vertices: Array, args: Any, active: Array) -> Simplex:
 
 
 @eqx.filter_jit
-def _chunk(fn: Callable, solver: NelderMead, lanes: Simplex, args: Any, active: Array) -> Simplex:
+def _chunk(
+    fn: Callable, solver: NelderMead, lanes: Simplex, args: Any, active: AnyArray
+) -> Simplex:
     """All lanes after `CHUNK` evaluations more."""
 
     def one(simplex: Simplex, args: Any) -> Simplex:

@@ -83,8 +83,7 @@ class Outcome:
                 for n in ("x", "information", "states")
             }
             x, H, states = arrays.values()
-            fits = x is not None and H is not None and x.ndim == 1
-            fits = fits and H.shape == (x.size, x.size)
+            fits = x is not None and H is not None and x.ndim == 1 and H.shape == (x.size, x.size)
             fits &= states is None or (states.ndim == 2 and states.shape[1] == 4)
         except (AttributeError, TypeError, ValueError, OverflowError):
             fits = False

@@ -252,7 +252,7 @@ def _observe(layout, ids, p, block, directions, run) -> Linearised:
         jac = []
         by_state = columns(both, [*y, *q], range(4))
         for i in range(len(value)):
-            terms = [(by[i], s[:, :, k]) for k, by in enumerate(by_state) if by[i] is not None]
+            terms = [(d, s[:, :, k]) for k, by in enumerate(by_state) if (d := by[i]) is not None]
             jac.append(sum(by.T[..., None] * x for by, x in terms))
         if directions.size:
             places = [len(y) + k for k in depends]
@@ -261,7 +261,8 @@ def _observe(layout, ids, p, block, directions, run) -> Linearised:
             direct = some_columns(both, [*y, *q], places, chosen, wanted)
             pad = ((0, 0), (0, 0), (len(y), 0))
             jac = [
-                x + jnp.pad(by.transpose(2, 1, 0), pad) for x, by in zip(jac, direct, strict=True)
+                x if by is None else x + jnp.pad(by.transpose(2, 1, 0), pad)
+                for x, by in zip(jac, direct, strict=True)
             ]
         return jnp.stack(value), jnp.stack(jac, axis=2)
 

@@ -15,6 +15,8 @@ from typing import Literal, NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from tp_jax.model.arrays import AnyArray
+
 Rule = Literal["scipy", "fminsearch"]
 
 # What a lane waits for.
@@ -69,7 +71,7 @@ class Simplex(NamedTuple):
         return self.waits == REFLECTION
 
 
-def initial_simplex(x: Float[Array, "... n"], box: Box | None = None) -> Float[Array, "... m n"]:
+def initial_simplex(x: Float[AnyArray, "... n"], box: Box | None = None) -> Float[Array, "... m n"]:
     """The simplex that `fminsearch` and SciPy build around a start.
 
     Args:

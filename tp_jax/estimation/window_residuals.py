@@ -24,6 +24,7 @@ from tp_jax.estimation.problem import LANES, Problem
 from tp_jax.estimation.program import Block, linearise
 from tp_jax.estimation.robust import Loss, robustify
 from tp_jax.estimation.window_states import KINK
+from tp_jax.model.arrays import AnyArray
 
 #: Steps of the windows' states in one evaluation. Three are enough unless the rider of a window
 #: just sticks; such a window never ends, and all others would wait for it.
@@ -240,9 +241,9 @@ class _Seen(NamedTuple):
 
     r: Float[Array, "L n 2"]
     jac: Float[Array, "L n 2 m"]
-    prior_r: Float[Array, "L W 4"]
-    prior_jac: Float[Array, "L W 4 m"]
-    complete: Bool[Array, " L"]
+    prior_r: Float[AnyArray, "L W 4"]
+    prior_jac: Float[AnyArray, "L W 4 m"]
+    complete: Bool[AnyArray, " L"]
     cost: Float[Array, "L W"]
     gradient: Float[Array, "L W 4"]
     information: Float[Array, "L W 4 4"]

@@ -27,7 +27,7 @@ class Prepared:
     t: (n,) s; y: (n, 2) rad, zeros where a channel is missing; channels: (2,) bool;
     smooth: (n, 4) smoothed readings and their rates; smooth_sd: (n, 4);
     pieces: (n - 1, 4) cubic coefficients of the measured drive, or None;
-    path: (n, 4) as `smooth`, its angles without what is noise (`play_along`);
+    path: (n, 4) as `smooth`, its angles without what is noise (`play_along`); `smooth` if empty;
     sigma: (2,) noise of each channel [rad], 1 where it is missing; colour: of that noise.
     """
 
@@ -37,12 +37,12 @@ class Prepared:
     smooth: np.ndarray
     smooth_sd: np.ndarray
     pieces: np.ndarray | None
-    path: np.ndarray | None = None
+    path: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, 4)))
     sigma: np.ndarray = dataclasses.field(default_factory=lambda: np.ones(2))
     colour: tuple[Colour, Colour] = (Colour(), Colour())
 
     def __post_init__(self):
-        if self.path is None:
+        if not self.path.size:
             object.__setattr__(self, "path", self.smooth)
 
 

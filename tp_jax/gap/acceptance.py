@@ -165,7 +165,9 @@ def is_worse(before: dict, after: dict) -> bool:
     return False
 
 
-def free_errors(setting: Setting, fit: Fit, horizon: float):
+def free_errors(
+    setting: Setting, fit: Fit, horizon: float
+) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray] | None]:
     """Start states and free runs of the held-out recordings."""
     which = list(setting.held_out)
     starts = {i: start_state(setting, fit.values, i, horizon) for i in which}

@@ -191,14 +191,14 @@ def choose(
             if small or before is sharp.fit:
                 progress("sharpening the friction", None)
                 keener = sharper(setting, polished)
-            if small:
-                if not clearly(setting, sharp, keener, seed):
+                if small:
+                    if not clearly(setting, sharp, keener, seed):
+                        break
+                elif not earned(
+                    *gain(left_out_cost(before), left_out_cost(keener.fit), block),
+                    max(removable(before), 0.0), keener,
+                ):  # fmt: skip
                     break
-            elif before is sharp.fit and not earned(
-                *gain(left_out_cost(before), left_out_cost(keener.fit), block),
-                max(removable(before), 0.0), keener,
-            ):  # fmt: skip
-                break
             progress(f"predicting left-out recordings: {best}", None)
             if polished.fit.converged:
                 confirmations[best] = confirmed(setting, current, polished, without)

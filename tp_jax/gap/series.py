@@ -34,10 +34,13 @@ def _thin(n: int) -> np.ndarray:
     return np.unique(np.linspace(0, n - 1, min(n, THINNED)).round().astype(int))
 
 
-def curves(setting: Setting, before: dict, after: dict | None) -> list[dict]:
+def curves(
+    setting: Setting, before: dict[int, np.ndarray] | None, after: dict[int, np.ndarray] | None
+) -> list[dict]:
     """Free runs of the held-out recordings beside what was measured [rad]."""
     out = []
     for i in setting.held_out:
+        assert before is not None  # what is held out has free runs
         p = setting.prepared[i]
         keep = _thin(p.t.size)
         row: dict[str, Any] = {"recording": setting.recordings[i].label, "t": p.t[keep].tolist()}

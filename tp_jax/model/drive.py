@@ -1,13 +1,14 @@
 """The motion of the spring's far end, f_e(t) [rad]."""
 
 from abc import abstractmethod
+from collections.abc import Sequence
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from tp_jax.model.arrays import as_float
+from tp_jax.model.arrays import AnyArray, as_float
 from tp_jax.model.elementary import sine
 
 
@@ -19,14 +20,14 @@ class AbstractDrive(eqx.Module):
     """
 
     @abstractmethod
-    def phase(self, t: Float[Array, "..."]) -> Float[Array, "..."]:
+    def phase(self, t: Float[AnyArray, "..."]) -> Float[Array, "..."]:
         """Phase theta of the drive [rad]."""
 
     @abstractmethod
-    def angle(self, t: Float[Array, "..."], theta: Float[Array, "..."]) -> Float[Array, "..."]:
+    def angle(self, t: Float[AnyArray, "..."], theta: Float[Array, "..."]) -> Float[Array, "..."]:
         """Angle f_e of the spring's far end [rad]."""
 
-    def later(self, t: Float[Array, "..."], a: Float[Array, "..."]) -> Float[Array, "..."]:
+    def later(self, t: Float[AnyArray, "..."], a: Float[Array, "..."]) -> Float[AnyArray, "..."]:
         """What the angle gains [rad] if a measured drive is read `a` seconds later.
 
         A sine is commanded, not read: it gains nothing.
@@ -127,7 +128,7 @@ class LanewiseDrive(AbstractDrive):
     offset: Float[Array, "..."]
     gain: Float[Array, "..."]
     level: Float[Array, "..."]
-    piece: Float[Array, "4 ..."]
+    piece: Float[Array, "4 ..."] | Sequence[AnyArray]
     left: Float[Array, "..."]
 
     def phase(self, t):
@@ -153,6 +154,8 @@ class LanewiseDrive(AbstractDrive):
         return self.level
 
 
-def cubic(c: Float[Array, "4 ..."], x: Float[Array, "..."]) -> Float[Array, "..."]:
+def cubic(
+    c: Float[Array, "4 ..."] | Sequence[AnyArray], x: Float[AnyArray, "..."]
+) -> Float[AnyArray, "..."]:
     """Value at `x` of the cubic with coefficients `c`, highest power first."""
     return ((c[0] * x + c[1]) * x + c[2]) * x + c[3]

@@ -23,7 +23,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from tp_jax.model.arrays import as_float
+from tp_jax.model.arrays import AnyArray, as_float
 from tp_jax.model.bearing import Bearing
 from tp_jax.model.contact import Contact
 from tp_jax.model.drive import AbstractDrive
@@ -52,7 +52,7 @@ class AbstractTorsionPendulum(eqx.Module):
         """Number of states: four, and those of the effects."""
         return 4 + sum(term.n_states for term in self.terms)
 
-    def clock_rate(self, t: Array) -> Array:
+    def clock_rate(self, t: AnyArray | float) -> Array:
         """True seconds per recorded second."""
         total = jnp.ones_like(t)
         for term in self.terms:
@@ -60,7 +60,7 @@ class AbstractTorsionPendulum(eqx.Module):
                 total = total + term.increment(Motion(t=t))
         return total
 
-    def _driven(self, t: Array, y: tuple) -> Motion:
+    def _driven(self, t: AnyArray, y: tuple) -> Motion:
         """Everything up to the angle of the spring's far end; `t` is true time."""
         phi1, phi2, v1, v2 = y[:4]
         middle, rate = self.drift
@@ -75,7 +75,7 @@ class AbstractTorsionPendulum(eqx.Module):
         m.f = f + self._sum("drive", m)
         return m
 
-    def _column_motion(self, t: Array, y: tuple) -> Motion:
+    def _column_motion(self, t: AnyArray | float, y: tuple) -> Motion:
         """Everything up to the bearing's torque; `t` is recorded time."""
         t = t * self.clock_rate(t)
         m = self._driven(t, y)
@@ -117,14 +117,14 @@ class AbstractTorsionPendulum(eqx.Module):
         return tuple(rates)
 
     @abstractmethod
-    def motion(self, t: Array, y: tuple) -> Motion:
+    def motion(self, t: AnyArray | float, y: tuple) -> Motion:
         """All quantities of one instant, accelerations included.
 
         Args:
             t: recorded time [s]. y: tuple of the state's components, equal shapes.
         """
 
-    def derivative(self, t: Array, y: tuple) -> tuple:
+    def derivative(self, t: AnyArray | float, y: tuple) -> tuple:
         """Derivatives of the state's components with respect to recorded time."""
         m = self.motion(t, y)
         rate = self.clock_rate(t)
@@ -135,7 +135,7 @@ class AbstractTorsionPendulum(eqx.Module):
         """The same on one array (n_states,), as diffrax wants it."""
         return jnp.stack(self.derivative(t, tuple(y)))
 
-    def readings(self, t: Array, y: tuple) -> tuple[Array, Array]:
+    def readings(self, t: AnyArray | float, y: tuple) -> tuple[Array, Array]:
         """What the two sensors report [rad] in state `y` at recorded time `t`."""
         m = self.motion(t, y)
         y1 = m.phi1 + self.sensors.zero1 + self._sum("sensor1", m)
@@ -161,7 +161,7 @@ class DoubleTorsionPendulum(AbstractTorsionPendulum):
     terms: tuple = ()
     drift: tuple = (0.0, 0.0)
 
-    def motion(self, t: Array, y: tuple) -> Motion:
+    def motion(self, t: AnyArray | float, y: tuple) -> Motion:
         """All quantities of one instant, accelerations [rad/s^2] included."""
         m = self._column_motion(t, y)
         m.Ts1 = self.contact.Ts1
@@ -191,7 +191,7 @@ class SingleTorsionPendulum(AbstractTorsionPendulum):
     terms: tuple = ()
     drift: tuple = (0.0, 0.0)
 
-    def motion(self, t: Array, y: tuple) -> Motion:
+    def motion(self, t: AnyArray | float, y: tuple) -> Motion:
         """All quantities of one instant, accelerations [rad/s^2] included."""
         m = self._column_motion(t, y)
         m.a1 = (m.spring - m.bearing + self._sum("column", m)) / self.B1 - self._sum("base", m)

@@ -19,7 +19,9 @@ INTERVAL = {
 }  # fmt: skip
 
 
-def table(fields: dict[str, Any] | None = None, required: tuple[str, ...] = (), **more: Any):
+def table(
+    fields: dict[str, Any] | None = None, required: tuple[str, ...] = (), **more: Any
+) -> dict[str, Any]:
     """A table that must be there; what is not among its fields may be anything."""
     schema = {"type": "object", "properties": fields or {}, "required": list(required)}
     return {**schema, "says": "a table", **more}

@@ -27,14 +27,12 @@ _SENSOR = table(
     {
         "law": TEXT,
         "standard_error": maybe(
-            table(
-                {"modes": {"type": ["array", "null"], "says": "a list of shapes"}},
-                # without shapes there is no error to speak of, and nothing to check
-                **{
-                    "if": {"properties": {"modes": {"minItems": 1}}, "required": ["modes"]},
-                    "then": {"properties": _ERROR, "required": ["angle"]},
-                },
-            )
+            table({"modes": {"type": ["array", "null"], "says": "a list of shapes"}})
+            # without shapes there is no error to speak of, and nothing to check
+            | {
+                "if": {"properties": {"modes": {"minItems": 1}}, "required": ["modes"]},
+                "then": {"properties": _ERROR, "required": ["angle"]},
+            }
         ),
     }
 )

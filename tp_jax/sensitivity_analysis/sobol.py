@@ -80,9 +80,12 @@ def sobol(
     first = {c: t[:, 0] for c, t in tables.items()}
     total = {c: t[:, 2] for c, t in tables.items()}
     whole = {c: _weighted(t, variance[c]) for c, t in tables.items()}
+    first_whole, first_error, total_whole, total_error = (
+        {c: w[i] for c, w in whole.items()} for i in range(4)
+    )
     return Sobol(
-        design.label, names, design.ts[pick], variance, first, total,
-        *({c: w[i] for c, w in whole.items()} for i in (0, 2, 1, 3)), len(unit),
+        design.label, names, design.ts[pick], variance, first, total, first_whole, total_whole,
+        first_error, total_error, len(unit),
     )  # fmt: skip
 
 

@@ -120,7 +120,7 @@ def integrate(
 
     def arguments(i: Array) -> tuple:
         """Parameters and the piece of the drive from sample i on."""
-        if not measured:
+        if lanes.pieces is None:
             return p
         i = jnp.clip(i, 0, n - 2)
         return (*p, *lanes.pieces[i, :, lane].T, lanes.ts[i, lane])

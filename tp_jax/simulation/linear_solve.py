@@ -36,9 +36,11 @@ def eliminate(jacobian: Jacobian, g: Array) -> Callable[[list], list]:
     for i in range(2, n):
         for j in range(2, n):
             entry = jacobian[i][j]
-            if j < 4 and jacobian[i][j - 2] is not None and rates[j - 2] is not None:
-                term = jacobian[i][j - 2] * rates[j - 2] / g
-                entry = term if entry is None else entry + term
+            if j < 4:
+                pull, rate = jacobian[i][j - 2], rates[j - 2]
+                if pull is not None and rate is not None:
+                    term = pull * rate / g
+                    entry = term if entry is None else entry + term
             if i == j:
                 reduced[i, j] = g if entry is None else g - entry
             elif entry is not None:

@@ -68,6 +68,7 @@ def in_one_piece(function: Callable, *args: Any) -> Any:
                 return [_having_read(x, never) for x in plain(*unpack(packed))]
 
         zero = 0.0 * jax.lax.while_loop(lambda x: x < UNKNOWN, lambda x: x + 1.0, 0.0)
+        assert isinstance(zero, Array)  # a loop ends in an array, though it begins with a float
         with set_xla_metadata(**MARK):
             return jax.jit(whole)(*(_hidden(x, zero) for x in packed))
 

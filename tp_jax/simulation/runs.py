@@ -17,6 +17,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from tp_jax.model.arrays import AnyArray
 from tp_jax.simulation.control import Control, error_ratio, factor, layers, reversal_rate
 from tp_jax.simulation.one_piece import in_one_piece, put_rows
 from tp_jax.simulation.step import Field, Restart, Stepped, Structure, advance, between, structure
@@ -72,7 +73,7 @@ def integrate(
     field: Field,
     p: tuple[Float[Array, " N"], ...],
     y0: Float[Array, "c N"],
-    ts: Float[Array, " n"],
+    ts: Float[AnyArray, " n"],
     eps: tuple[Float[Array, " N"], Float[Array, " N"]],
     control: Control,
     *,
@@ -253,6 +254,7 @@ def _pass(
     rows = between(inside, h, y, f, new.y, new.f, rate, velocities)  # per sample, four components
     s, fs, doubt = lanes.s, lanes.fs, lanes.doubt
     if bends is not None:
+        assert directions is not None
         s_end, f_end, wrong = differentiate(
             field,
             shape,

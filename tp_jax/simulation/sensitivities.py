@@ -152,7 +152,9 @@ def sensitivities(
 @functools.cache
 def _compiled():
     """`_run` on a processor's full width."""
-    return eqx.filter_jit(_run, compiler_options=compiler_options())
+    # equinox hands such options on to `jax.jit`; its overloads do not tell of them
+    options = compiler_options()
+    return eqx.filter_jit(_run, compiler_options=options)  # pyright: ignore[reportCallIssue]
 
 
 def _run(template, p, y0, ts, control, places, max_steps, active, width) -> Ran:

@@ -185,6 +185,7 @@ def _states(parts: Parts, solver, controller, max_steps: int) -> Callable:
             max_steps=max_steps,
             throw=False,
         )
+        assert solution.ys is not None  # `saveat` has times
         return jnp.stack(solution.ys[:4], axis=1)
 
     return solve

@@ -4,7 +4,7 @@ All quantities are lists of components, each (L,), rather than arrays of them: w
 has to be taken apart again by every reader.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from tp_jax.model.arrays import AnyArray
 from tp_jax.simulation.columns import columns
 from tp_jax.simulation.dependence import dependence
 from tp_jax.simulation.linear_solve import Jacobian, eliminate
@@ -64,7 +65,7 @@ def structure(field: Field, n_states: int, n_parameters: int) -> Structure:
     return Structure(d[:, 1 : 1 + n_states], d[:, 0])
 
 
-def jacobian(field: Field, s: Structure, t: Array, y: tuple, p: tuple) -> Jacobian:
+def jacobian(field: Field, s: Structure, t: AnyArray | float, y: tuple, p: tuple) -> Jacobian:
     """Derivatives by the states, column by column; None where zero by structure."""
     n = len(y)
     rows: list[list[Array | None]] = [[None] * n for _ in range(n)]
@@ -81,7 +82,7 @@ def advance(
     field: Field,
     s: Structure,
     method: StageForm,
-    t: Float[Array, " L"],
+    t: Float[AnyArray, " L"] | float,
     h: Float[Array, " L"],
     y: list[Array],
     f: list[Array],
@@ -116,8 +117,8 @@ def advance(
 
 
 def after(
-    t: Array, y: list[Array], p: tuple, restart: Restart | None
-) -> tuple[Array, tuple, tuple]:
+    t: AnyArray, y: list[Array], p: tuple, restart: Restart | None
+) -> tuple[AnyArray, tuple, tuple]:
     """Where a step has come to, or where its lane goes on instead."""
     if restart is None:
         return t, tuple(y), p
@@ -141,7 +142,7 @@ def combine(weights: np.ndarray, stages: list[list[Array]], j: int) -> Array:
 
 
 def between(
-    xs: list[Array],
+    xs: Sequence[AnyArray],
     h: Array,
     y: list[Array],
     f: list[Array],

@@ -100,7 +100,9 @@ def sweep(
 @functools.cache
 def _compiled():
     """`_run`, compiled for the processor that there is, which is asked at the first call."""
-    return eqx.filter_jit(_run, compiler_options=compiler_options())
+    # equinox hands such options on to `jax.jit`; its overloads do not tell of them
+    options = compiler_options()
+    return eqx.filter_jit(_run, compiler_options=options)  # pyright: ignore[reportCallIssue]
 
 
 def _run(template, p, y0, ts, control, max_steps, active, width, velocities) -> Ran:

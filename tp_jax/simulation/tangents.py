@@ -10,6 +10,7 @@ entries only, from the curvature of friction. Nothing is left out: these are the
 the numbers that the step computes, its size held fixed.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -17,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
+from tp_jax.model.arrays import AnyArray
 from tp_jax.simulation.columns import columns, some_columns
 from tp_jax.simulation.dependence import dependence
 from tp_jax.simulation.linear_solve import Jacobian, eliminate
@@ -73,7 +75,7 @@ class Linear(NamedTuple):
         found: list[Array | None] = []
         for k, mine in enumerate(self.by_direction):
             terms = [
-                row[k] * x for row, x in zip(self.by_state, s, strict=True) if row[k] is not None
+                d * x for row, x in zip(self.by_state, s, strict=True) if (d := row[k]) is not None
             ]
             total = sum(terms[1:], terms[0]) if terms else None
             if mine is not None:
@@ -167,7 +169,7 @@ def differentiate(
         ).along(s, n)  # fmt: skip
 
     # All points of the step at once: what is evaluated once is compiled once.
-    points = [
+    points: list[tuple[AnyArray, Sequence[Array], tuple]] = [
         (t + c * h, [y[j] + combine(a, stages, j) for j in range(n)], p)
         for a, c in zip(method.a[1:], method.c[1:], strict=True)
     ]
@@ -187,9 +189,6 @@ def differentiate(
         part = slice(i * t.size, (i + 1) * t.size)
         return jax.tree.map(lambda x: x[..., part], along).along(s, n)
 
-    def plus(a: Array | None, b: Array | None) -> Array | None:
-        return b if a is None else a if b is None else a + b
-
     tangents: list[list[Array]] = []
     for i, k in enumerate(stages):
         if i:
@@ -203,12 +202,12 @@ def differentiate(
             right = list(fs)
         if method.d[i]:
             right = [
-                r if x is None else plus(r, (method.d[i] * h) * x)
+                r if x is None else r + (method.d[i] * h) * x
                 for r, x in zip(right, ft, strict=True)
             ]
         for (a, b), x in zip(bends.entries, bent, strict=True):
             if x is not None:
-                right[a] = plus(right[a], x * k[b])
+                right[a] = right[a] + x * k[b]
         tangents.append([x / unit for x in solve([x / unit for x in right])])
     s_end = [(s[j] + combine(method.b, tangents, j)) / unit for j in range(n)]
     if restart is not None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tp_jax.recordings.readers import Unreadable
 from tp_jax.recordings.readers.matrices import columns
 
 
@@ -21,5 +22,8 @@ def read(file: Path, sheet: str | None) -> dict[str, np.ndarray]:
                 found.append((name, item[()]))
 
     with h5py.File(file, "r") as content:
-        (content if sheet is None else content[sheet]).visititems(visit)
+        group = content if sheet is None else content[sheet]
+        if not isinstance(group, h5py.Group):
+            raise Unreadable(f'"{sheet}" is no group', "correct sheet under [format]")
+        group.visititems(visit)
     return columns((name, array) for name, array in found)

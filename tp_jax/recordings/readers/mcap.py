@@ -45,7 +45,7 @@ def read(file: Path, sheet: str | None) -> dict[str, np.ndarray]:
 
 def _ros2(file: Path) -> dict[str, list[tuple[float, Any]]]:
     try:
-        from mcap_ros2.reader import read_ros2_messages
+        from mcap_ros2.reader import read_ros2_messages  # pyright: ignore[reportMissingImports]
     except ImportError as error:
         raise Unreadable(
             "its messages are not in JSON",

@@ -15,6 +15,8 @@ FLOOR = 1e-2  # of chi-square: below it two ends are one
 
 def waterfall(result: Identification) -> "Figure":
     """Chi-square above the best by start, on a logarithmic scale; failed starts stand apart."""
+    from matplotlib.ticker import MaxNLocator
+
     ends = np.array([t.end.cost for t in result.trials])
     order = np.argsort(ends, kind="stable")
     above = ends[order] - np.min(ends)
@@ -46,6 +48,8 @@ def waterfall(result: Identification) -> "Figure":
     axes.set_yscale("log")
     axes.set_xlabel("start, best first")
     axes.set_ylabel("χ² above the best")
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    places = axes.xaxis.get_major_locator()
+    assert isinstance(places, MaxNLocator)
+    places.set_params(integer=True)
     style.legend(figure, axes)
     return figure
