@@ -157,3 +157,11 @@ def test_arrays_too():
     assert "times are rounded to 0.01 s" in recording.notes[0]
     with pytest.raises(CampaignError, match="is repeated"):
         Recording.from_arrays(np.where(np.arange(T.size) == 7, T[6], T), A, B, omega=OMEGA)
+
+
+def test_a_step_that_no_clock_can_tell_is_none():
+    """Differences divided by it overflowed, and the noise had no level."""
+    t = T.copy()
+    t[1] = 1e-320
+    with pytest.raises(CampaignError, match="is repeated"):
+        Recording.from_arrays(t, A, B, omega=OMEGA)
