@@ -3,6 +3,7 @@
 import gc
 import os
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -55,17 +56,29 @@ MOST_MAPPED = 30_000
 """Pieces of memory of a process, of which Linux allows 65,530: beyond, what is compiled cannot be
 placed, and the process ends at once. A test run compiles tens of thousands of small programs."""
 
+MOST_RESIDENT = 4_000_000_000
+"""Bytes of memory of a process: two of nine gigabytes, as they were, leave a machine little."""
+
 
 @pytest.fixture(scope="module", autouse=True)
 def room_for_programs():
     """Compiled programs are dropped when many are there; what is kept on disk is loaded again."""
     yield
-    maps = Path("/proc/self/maps")
-    if maps.is_file() and maps.read_bytes().count(b"\n") > MOST_MAPPED:
+    maps, pages = Path("/proc/self/maps"), Path("/proc/self/statm")
+    if not maps.is_file() or "jax" not in sys.modules:
+        return
+    resident = int(pages.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    if maps.read_bytes().count(b"\n") > MOST_MAPPED or resident > MOST_RESIDENT:
         import jax
 
+        from tp_jax import _memory, _stored
+
+        for each in gc.get_objects():
+            if type(each) is _stored.Stored:
+                each._ready.clear()
         jax.clear_caches()
         gc.collect()
+        _memory.release()
 
 
 def pytest_unconfigure() -> None:
