@@ -75,15 +75,20 @@ def choose_or_learn(
 
 def _alone(setting: Setting, r: Round, progress: Progress, known: Refit | None) -> list[_Trial]:
     """The law that leaves noise alone where every formula leaves more, or none."""
-    best = min((result.fit for result in r.refits.values()), key=removable, default=r.searched)
-    if removable(best) < _worth_asking(best):
+    best = min(r.refits.values(), key=lambda x: removable(x.fit), default=Refit(r.searched, ()))
+    if removable(best.fit) < _worth_asking(best.fit):
         return []
+    if best.ids:  # a refit ends early, so that a formula that is right leaves more than noise
+        best = polish(setting, best)
+        if removable(best.fit) < _worth_asking(best.fit):
+            return []
     drop = max((s.drop for s in r.screen.scored), default=0.0)
     promised = drop / (2.0 * max(r.before.chi2_dof, 1.0))
     return [
         trial
         for trial in _tried(setting, r, Refit(r.searched, ()), progress, known, 1, promised)
         if _nothing_left(trial.result.fit)
+        and removable(trial.result.fit) < POLICY.learning.part * removable(best.fit)
     ]
 
 

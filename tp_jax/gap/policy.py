@@ -182,6 +182,8 @@ class LearningPolicy:
         deviance: sum of squares beyond the noise, over the misfit, from which a curve is asked for:
             as much as a cause of twelve amplitudes has to take (`earned`).
         chance: standard deviations of a sum of squares of noise alone up to which nothing is left.
+        part: of what the best formula leaves beyond the noise that a law may leave to be taken
+            before a second formula is sought: more may be what both leave to the friction's smoothing.
         outside: part of the held-out samples beyond a curve's range from which a note says so; a
             run overshoots those beside it by a sample or two.
         elsewhere: part of the held-out recording's samples beyond it from which another recording
@@ -192,6 +194,7 @@ class LearningPolicy:
     refitted: int = 2
     deviance: float = 64.0
     chance: float = 3.0
+    part: float = 0.5
     outside: float = 0.01
     elsewhere: float = 0.05
 
