@@ -183,7 +183,8 @@ class LearningPolicy:
             as much as a cause of twelve amplitudes has to take (`earned`).
         chance: standard deviations of a sum of squares of noise alone up to which nothing is left.
         part: of what the best formula leaves beyond the noise that a law may leave to be taken
-            before a second formula is sought: more may be what both leave to the friction's smoothing.
+            before a second formula is sought: more may be what both leave to the friction's
+            smoothing.
         outside: part of the held-out samples beyond a curve's range from which a note says so; a
             run overshoots those beside it by a sample or two.
         elsewhere: part of the held-out recording's samples beyond it from which another recording
