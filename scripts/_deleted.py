@@ -18,7 +18,6 @@ from tp_jax.cli.arguments import Parser, count
 
 ROOT = Path(__file__).parent.parent
 LEDGER = ROOT / "trials" / "deleted.jsonl"
-PAGE = ROOT / "docs" / "diagnosis.md"
 FOLDER = ROOT / ".cache" / "deleted"
 """Of the rigs in hand; each goes when its line is written."""
 
@@ -88,7 +87,6 @@ def _parser() -> Parser:
     )
     parser.add_argument("--rigs", metavar="N", type=count, default=18, help="default 18")
     add_ledger(parser, LEDGER)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/diagnosis.md")
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
@@ -98,10 +96,7 @@ def _trial(args: Any) -> int:
     tasks = [(n, args.version) for n in range(1, args.rigs + 1) if n not in there]
     _, status = extended("deleted", args, look, tasks)
     rows = [row for row in read(Path(args.ledger)) if row.version == args.version]
-    told = f"{table(rows)}\n\n({markdown.circumstances(SEED)})"
-    print(told)
-    if args.write:
-        markdown.put_into(PAGE, "deleted", told)
+    print(f"{table(rows)}\n\n({markdown.circumstances(SEED)})")
     return status
 
 

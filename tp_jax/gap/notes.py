@@ -161,8 +161,8 @@ def beyond_its_range(setting: Setting, final: Refit, held: Fit) -> list[str]:
 def held_out_instead(before: str, now: str) -> str:
     """That another recording is held out than the one first chosen."""
     return (
-        f"{now} is held out, not {before}: {before} goes further than all others, so a curve that "
-        "is learned from those says nothing about it."
+        f"{now} is held out, not {before}: {before} goes further than all others, and a curve that "
+        "was learned from those at first said nothing about it."
     )
 
 
