@@ -19,7 +19,7 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from tp_jax import _blas, _cache
-from tp_jax._config import cache_folder, collect_less, compile_small_loops, use_float64
+from tp_jax._config import cache_folder, collect_less, compile_small_loops
 
 # What one process of a test run has traced and compiled the others need not: its workers,
 # notebooks' kernels and examples' interpreters inherit this. It is a folder of this run alone, so
@@ -41,7 +41,9 @@ if "TP_JAX_TESTS_KEPT" not in os.environ:
     KEPT = os.environ["TP_JAX_TESTS_KEPT"] = tempfile.mkdtemp(prefix="tp-jax-tests-")
 
 compile_small_loops()
-use_float64()
+
+import tp_jax._float64  # noqa: E402, F401  # loads JAX: after its settings
+
 collect_less()  # as the command line does
 _blas.threadpool_limits(limits=1, user_api="blas")  # this process: numpy is loaded already
 

@@ -13,11 +13,12 @@ TRIALS = ROOT / "trials"
 
 # Layer -> the layers it may import, besides itself and EVERYWHERE. The root, tp_jax itself, is
 # for the command line alone: its lazy names reach everywhere.
-EVERYWHERE = {"errors", "_digits", "_files", "_tails", "_version", "schemas"}
+EVERYWHERE = {"errors", "_digits", "_files", "_float64", "_tails", "_version", "schemas"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
     "_digits": set(),
     "_files": set(),
+    "_float64": set(),
     "_blas": set(),
     "_memory": set(),
     "_tails": set(),
@@ -88,7 +89,15 @@ OPTIONAL = {
     "arviz", "arviz_base", "tp_jax.serve.server", "ray", "dask", "distributed", "submitit",
 }  # fmt: skip
 #: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
-WITH_JAX = {"jax", "diffrax", "tp_jax.simulation.rodas4", "tp_jax.simulation.reversal_controller"}
+WITH_JAX = {
+    "jax",
+    "tp_jax._float64",
+    "diffrax",
+    "tp_jax.simulation.rodas4",
+    "tp_jax.simulation.reversal_controller",
+}
+#: Keeps and loads compiled programs, and computes nothing itself.
+KEEPS_PROGRAMS = {"tp_jax._stored"}
 #: Slow to load, and of use to one step of a program only.
 SLOW = {"webbrowser", "scipy", "matplotlib", "rich", "jinja2", "markupsafe", "SALib", "jsonschema"}
 
@@ -312,6 +321,49 @@ def test_using_a_name_sets_64_bits():
         "import tp_jax as tp; tp.presets; import jax.numpy as jnp; "
         "assert jnp.zeros(1).dtype == 'float64'"
     )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
+
+
+@pytest.fixture(scope="module")
+def graph():
+    """Module -> modules of the package that importing it loads directly, its packages included."""
+    texts = {".".join(dotted(path)): (path, path.read_text("utf-8")) for path in MODULES}
+    found = {}
+    for name, (path, text) in texts.items():
+        parents = {name.rsplit(".", k)[0] for k in range(1, name.count(".") + 1)}
+        # what is imported at the top, outside `if TYPE_CHECKING:` and functions
+        tree = ast.parse(text)
+        tree.body = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+        found[name] = modules_imported(path, ast.unparse(tree), set(texts)) | parents
+    return found
+
+
+def loads(name, graph):
+    """All modules of the package that importing this one loads."""
+    seen, ahead = set(), [name]
+    while ahead:
+        each = ahead.pop()
+        if each not in seen:
+            seen.add(each)
+            ahead += graph[each]
+    return seen
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: ".".join(dotted(p)))
+def test_whatever_computes_with_jax_sets_64_bits(path, graph):
+    """By whatever way a module is reached: 32 bits are never what it computes with."""
+    tree = ast.parse(path.read_text("utf-8"))
+    top = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+    module = ast.unparse(ast.Module(body=top, type_ignores=[]))
+    with_jax = any(name[0] in JAX for name in imported(path, module))
+    name = ".".join(dotted(path))
+    if with_jax and name not in KEEPS_PROGRAMS:
+        assert "tp_jax._float64" in loads(name, graph)
+
+
+@pytest.mark.parametrize("room", ["model.pendulum", "simulation", "estimation.identify", "gap"])
+def test_a_room_imported_alone_computes_in_64_bits(room):
+    code = f"import tp_jax.{room}, jax.numpy as jnp; assert jnp.zeros(1).dtype == 'float64'"
     subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
 
 

@@ -125,9 +125,9 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _WITH_JAX:
-        from tp_jax._config import use_float64
-
         if name != "enable_compilation_cache":  # which comes before JAX
+            from tp_jax._float64 import use_float64
+
             use_float64()
         module, attribute = _WITH_JAX[name]
     elif name in _WITHOUT_JAX:

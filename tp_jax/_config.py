@@ -1,8 +1,8 @@
 """Settings of JAX that the package's own entry points make, and its tests; nothing else does.
 
 A library that is merely imported should not change JAX for everybody else. 64 bits are set when
-one of the package's names that computes is first used (`tp_jax.__getattr__`), since nothing in 32
-would be right; all else in the command line, or by the one call that a user makes
+a module that computes is first loaded (`tp_jax._float64`), since nothing in 32 would be right; all
+else in the command line, or by the one call that a user makes
 (`enable_compilation_cache`). JAX itself is imported inside the functions: `tp-jax --help` does not
 wait for it.
 
@@ -48,14 +48,6 @@ hundredths of a diagnosis' CPU time went into looks. Most memory is freed withou
 
 CACHED_ABOVE = 0.3
 """Seconds of compilation from which on a program is kept in the persistent cache."""
-
-
-def use_float64() -> None:
-    """Let JAX compute in 64 bits: at 32 the solver's error is above the sensors' noise."""
-    import jax
-
-    if not jax.config.read("jax_enable_x64"):
-        jax.config.update("jax_enable_x64", True)
 
 
 def compile_small_loops() -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
-from tp_jax._config import cache_folder, use_float64
+from tp_jax._config import cache_folder
+from tp_jax._float64 import use_float64
 
 # before Numba is imported: what it compiles belongs beside what JAX compiles
 os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder().parent / "numba"))

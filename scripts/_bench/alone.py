@@ -13,7 +13,7 @@ from pathlib import Path
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
-from tp_jax._config import use_float64
+from tp_jax._float64 import use_float64
 
 FEW = 256
 """Lanes of the sweep that costs are relative to."""

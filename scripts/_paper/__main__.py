@@ -9,7 +9,8 @@ from typing import Any
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
 from scripts._carried_out import carried_out
-from tp_jax._config import compile_small_loops, enable_compilation_cache, use_float64
+from tp_jax._config import compile_small_loops, enable_compilation_cache
+from tp_jax._float64 import use_float64
 from tp_jax.cli.arguments import Parser, add_seed
 from tp_jax.cli.output import made_folder, write_json
 

@@ -30,7 +30,7 @@ def test_killed_workers_lose_nothing(kind, tmp_path):
     pytest.importorskip(PACKAGES[kind], reason=f"needs the extra `{kind}`")
     pieces = some_pieces(COUNT, tmp_path / "begun")
     choice = ExecutorChoice(kind, 2)
-    with Hand(tmp_path / "begun", times=0 if kind == "slurm" else 2, every_s=2.0) as hand:
+    with Hand(tmp_path / "begun", times=0 if kind == "slurm" else 2, every_s=0.2) as hand:
         ended = list(run_pieces(summed, pieces, choice, folder=tmp_path, uses_jax=False))
     assert len(hand.killed) == (0 if kind == "slurm" else 2)
     assert sorted(each.piece.key for each in ended) == sorted(each.key for each in pieces)

@@ -116,7 +116,7 @@ def test_a_piece_that_kills_its_workers_is_given_up_and_the_others_are_done():
 @pytest.mark.slow
 def test_killed_workers_lose_nothing(tmp_path):
     pieces = some_pieces(12, tmp_path / "begun")
-    with Hand(tmp_path / "begun", times=3, every_s=1.0) as hand:
+    with Hand(tmp_path / "begun", times=3, every_s=0.2) as hand:
         ended = run(summed, pieces, folder=tmp_path)
     assert len(hand.killed) == 3
     assert all(each.fault is None for each in ended.values())

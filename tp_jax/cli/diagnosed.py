@@ -62,10 +62,6 @@ def diagnosed(
 
 def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> dict[str, Any]:
     """A diagnosis whose first screen is kept; its result."""
-    from tp_jax._config import use_float64
-
-    use_float64()
-
     from tp_jax.gap.diagnosis import examine
     from tp_jax.gap.shared.from_screen import rig_scores
     from tp_jax.gap.shared.scores import write

@@ -20,6 +20,8 @@ import optimistix as optx
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Float, PyTree, Scalar
 
+import tp_jax._float64  # noqa: F401
+
 FIRST = 1e-4  # damping of the first step: near enough to Gauss-Newton's own
 LEAST, MOST = 1e-9, 1e6  # damping; what helps no more at the most is a kink
 RANK = 1e-13  # relative eigenvalue below which the residuals do not tell a direction

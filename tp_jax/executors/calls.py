@@ -15,12 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tp_jax._config import (
-    collect_less,
-    compile_small_loops,
-    enable_compilation_cache,
-    use_float64,
-)
+from tp_jax._config import collect_less, compile_small_loops, enable_compilation_cache
 from tp_jax._files import plain, replaced
 from tp_jax.errors import InputError
 from tp_jax.executors.processors import take_one
@@ -142,4 +137,3 @@ def _prepare_jax() -> None:
     collect_less()
     compile_small_loops()
     enable_compilation_cache()
-    use_float64()

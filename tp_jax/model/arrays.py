@@ -5,6 +5,8 @@ import numpy as np
 from jax.typing import ArrayLike
 from jaxtyping import Array, Float
 
+import tp_jax._float64  # noqa: F401
+
 AnyArray = Array | np.ndarray
 
 

@@ -14,6 +14,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+import tp_jax._float64  # noqa: F401
+
 
 def dahl_rate(
     rate: Float[Array, "..."], z: Float[Array, "..."], z0: Float[Array, "..."]

@@ -10,6 +10,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+import tp_jax._float64  # noqa: F401
+
 # Interpolation at Chebyshev nodes of arctan(sqrt w)/sqrt w on [0, tan^2(pi/8)], and of
 # sin(sqrt w)/sqrt w and cos(sqrt w) on [0, (pi/2)^2]: errors 3e-17, 2e-19 and 4e-18, computed to
 # 40 digits.
