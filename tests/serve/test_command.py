@@ -19,15 +19,26 @@ from tp_jax.cli.serve import NEW
 ROOT = Path(__file__).parents[2]
 
 
-def started(folder: Path, *words: str) -> tuple["subprocess.Popen[str]", str]:
-    """The command in a process of its own, and the address that it prints."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tp_jax", "serve", "--no-browser", *words],
-        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
-    assert process.stdout is not None
-    return process, process.stdout.readline().strip()
+@pytest.fixture
+def started():
+    """Starts the command in a process of its own; the process, and the address that it prints."""
+    running = []
+
+    def start(folder: Path, *words: str) -> tuple["subprocess.Popen[str]", str]:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "tp_jax", "serve", "--no-browser", *words],
+            cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+        )  # fmt: skip
+        running.append(process)
+        assert process.stdout is not None
+        return process, process.stdout.readline().strip()
+
+    yield start
+    for process in running:  # whatever a test that failed has left
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
 
 
 def ended(process: "subprocess.Popen[str]") -> str:
@@ -38,7 +49,7 @@ def ended(process: "subprocess.Popen[str]") -> str:
     return told
 
 
-def test_it_serves_until_interrupted(tmp_path):
+def test_it_serves_until_interrupted(tmp_path, started):
     process, address = started(tmp_path)
     assert re.fullmatch(r"http://127\.0\.0\.1:\d+/\?token=[\w-]{43}", address)
     new = tmp_path / NEW
@@ -56,7 +67,7 @@ def test_it_serves_until_interrupted(tmp_path):
     assert not new.exists(), "nothing came into it"
 
 
-def test_a_new_folder_is_another_one(tmp_path):
+def test_a_new_folder_is_another_one(tmp_path, started):
     (tmp_path / NEW).mkdir()
     process, _ = started(tmp_path)
     second = tmp_path / f"{NEW}-2"
