@@ -91,14 +91,18 @@ def every():
     labels = [r.label for r in setting.recordings]
     before = fit_record(values, (), labels)
 
-    def diagnosis(*ids: str) -> dict:
+    def diagnosis(*ids: str, only: str | None = None) -> dict:
+        """Of these causes; with `only`, all others have no strength."""
         record = json.loads(json.dumps(fit_record(values, ids, labels)))  # as read from a file
+        for id in (id for id in ids if only not in (None, id)):
+            record["effects"][id] |= {a.name: 0.0 for a in catalogue()[id].amplitudes}
         return {"fits": {"before": before, "after": record}}
 
     return diagnosis
 
 
 STATEFUL = sorted(id for id, effect in catalogue().items() if effect.n_states)
+STATELESS = sorted(set(catalogue()) - set(STATEFUL))
 SHORT = dict(duration=0.4, rate=100.0)
 
 
@@ -108,9 +112,9 @@ def check(every):
     first = every()
     without = tp.predict(first, omega=13.0, **SHORT, model="before")
 
-    def check(*ids: str) -> None:
-        diagnosis = every(*ids)
-        unrecorded = all(catalogue()[id].reads_later for id in ids)
+    def check(*ids: str, only: str | None = None) -> None:
+        diagnosis = every(*ids, only=only)
+        unrecorded = all(catalogue()[id].reads_later for id in (ids if only is None else [only]))
         for run in (dict(omega=13.0), dict(phi1=1.0)):
             found = tp.predict(diagnosis, **run, **SHORT)
             y = np.stack([found.phi1, found.phi2])
@@ -130,8 +134,22 @@ def test_causes_with_states_of_their_own(id, check):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("id", sorted(set(catalogue()) - set(STATEFUL)))
+@pytest.mark.parametrize("id", STATELESS)
 def test_causes_without(id, check):
+    """Beside all others, which have no strength: one program serves for all."""
+    check(*STATELESS, only=id)
+
+
+@pytest.mark.slow
+def test_without_strength_causes_change_nothing(every):
+    plain = tp.predict(every(), omega=13.0, **SHORT, model="before")
+    found = tp.predict(every(*STATELESS, only=""), omega=13.0, **SHORT)
+    np.testing.assert_allclose(found.phi1, plain.phi1, atol=1e-9)
+    np.testing.assert_allclose(found.phi2, plain.phi2, atol=1e-9)
+
+
+@pytest.mark.parametrize("id", ["drive_harmonics", "bearing_position", "sensor2_eccentricity"])
+def test_a_cause_alone(id, check):
     check(id)
 
 
