@@ -105,6 +105,37 @@ def test_figures_are_drawn(result):
     assert drawn == {"precision-eps-1000", "single-eps-1000", "sweep-eps-1000"}
 
 
+def test_growth_is_measured_until_it_takes_too_long(monkeypatch):
+    from scripts._bench.measures import growth
+    from scripts._bench.measures.diagnosis import Took
+
+    class Ours:
+        name = "tp-jax"
+
+    class Bench:
+        ours, tell = Ours, print
+
+    calls = []
+
+    def diagnosed(folder, campaign=None):
+        if campaign is None:
+            return Took(1.0, 1.0, 0.1)
+        n, rate = (float(x) for x in campaign.name.split("-at-"))
+        calls.append((n, rate))
+        return Took(1.0, n * rate / 100.0, 0.5)
+
+    monkeypatch.setattr(growth, "diagnosed", diagnosed)
+    monkeypatch.setattr(growth, "make_campaign", lambda *_, **__: None)
+    found, rows = growth.measure(Bench())
+    assert calls.count((6, 100.0)) == 2, "once to compile, and once to be timed"
+    assert calls.count((6, 10_000.0)) == 1, "the first call took long enough to count"
+    assert found["ratio"] == pytest.approx(100.0)
+    assert list(found["recordings"]) == ["2", "5", "20", "50"]
+    assert [row.value for row in rows if row.case == "200 recordings"] == [
+        "skipped: about 2e+03 CPU s"
+    ]
+
+
 def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
     from scripts._bench.measures import diagnosis
     from scripts._bench.problem import Scale

@@ -23,7 +23,7 @@ SCHEMA = "tp-jax/bench/1"
 NUMBERS = "bench.json"
 MEASURES = (
     "precision", "single", "sweep", "sensitivities", "stuck", "robustness", "control", "scaling",
-    "shell", "diagnosis", "rates", "identification", "simplices",
+    "shell", "diagnosis", "growth", "identification", "simplices",
 )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ BARS = {
     "diagnosis warm": ("20 s", 20.0),
     "diagnosis memory": ("2 GB", 2.0),
     "rates ratio": ("2.5 × in CPU time", 2.5),
-    "rates memory": ("2.5 GB", 2.5),
+    "growth memory": ("4 GB", 4.0),
     "simplices over scipy": ("1/30 of SciPy with CVODES", 1.0 / 30.0),
 }
 

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from . import (
     control,
     diagnosis,
+    growth,
     identification,
     precision,
-    rates,
     robustness,
     scaling,
     sensitivities,
@@ -31,7 +31,7 @@ MEASURES: dict[str, Callable] = {
         scaling,
         shell,
         diagnosis,
-        rates,
+        growth,
         identification,
         simplices,
     )
