@@ -1,4 +1,4 @@
-"""How many threads the linear algebra of NumPy and SciPy takes."""
+"""Number of threads that the linear algebra of NumPy and SciPy takes."""
 
 import contextlib
 import os

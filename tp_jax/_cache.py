@@ -26,7 +26,7 @@ STAMP = "checked"
 
 @dataclass(frozen=True)
 class Policy:
-    """What a cache may take.
+    """Limits of what a cache may take.
 
     Attributes:
         most_bytes: of all files together. A version of the package leaves some 60 MB for each
@@ -52,7 +52,7 @@ def made(folder: Path) -> None:
 
 
 def distrusted(*folders: Path) -> str | None:
-    """Why programs from these folders cannot be run, and what to do; None: they can."""
+    """Says why programs from these folders cannot be run, and what to do; None: they can."""
     if not hasattr(os, "getuid"):  # Windows has other ways
         return None
     for folder in folders:
@@ -97,7 +97,7 @@ def clean(root: Path, policy: Policy | None = None) -> None:
 
 
 def whole(path: Path) -> bool:
-    """Whether one of JAX's files can be unpacked; JAX puts nothing in the place of one that can't.
+    """True where one of JAX's files can be unpacked; JAX puts nothing in place of one that can't.
 
     True of what nothing here can unpack.
     """
@@ -110,7 +110,7 @@ def whole(path: Path) -> bool:
 
 
 def _zstd() -> Callable[[bytes], bytes] | None:
-    """As JAX finds it."""
+    """Finds zstandard's decompression as JAX finds it."""
     try:
         from compression import zstd  # Python 3.14  # pyright: ignore[reportMissingImports]
     except ImportError:

@@ -1,4 +1,4 @@
-"""What XLA is told of single programs, by the processor that there is."""
+"""Options of XLA for single programs, by the processor that there is."""
 
 import functools
 import os
@@ -9,13 +9,13 @@ WIDTH_OPTION = "xla_cpu_prefer_vector_width"
 
 
 def loops_left_alone() -> bool:
-    """Whether XLA is to be told nothing about loops (`TP_JAX_SMALL_LOOPS=off`)."""
+    """True where XLA is to be given no option about loops (`TP_JAX_SMALL_LOOPS=off`)."""
     return os.environ.get("TP_JAX_SMALL_LOOPS", "").lower() == "off"
 
 
 @functools.cache
 def compiler_options() -> dict[str, int]:
-    """What XLA is to be told of a program of the engine's, for `jax.jit`.
+    """Returns the options of XLA for a program of the engine's, for `jax.jit`.
 
     On a processor with AVX-512 (known on Linux only) it uses half the width of its registers
     unless told otherwise, since some of the older ones slow down then; a sweep takes an eighth

@@ -69,7 +69,7 @@ def collect_less() -> None:
 
 
 def cache_root() -> Path:
-    """Where programs of all processors are kept between runs: in the user's cache folder.
+    """Returns the folder of all processors' programs between runs: in the user's cache folder.
 
     Raises:
         RuntimeError: there is no home to speak of.
@@ -84,7 +84,7 @@ def cache_root() -> Path:
 
 
 def cache_folder() -> Path:
-    """Where JAX keeps programs compiled for this processor."""
+    """Returns the folder where JAX keeps programs compiled for this processor."""
     return cache_root() / _processor.name() / "xla"
 
 
@@ -128,7 +128,7 @@ def enable_compilation_cache() -> bool:
 
 
 def programs_folder() -> Path | None:
-    """Where traced programs are kept (`_stored`): beside JAX's cache, where that is ours."""
+    """Returns the folder of traced programs (`_stored`), beside JAX's cache, where that is ours."""
     import jax
 
     try:

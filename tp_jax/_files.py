@@ -16,7 +16,7 @@ LARGEST = 2_000_000_000
 
 
 def bytes_of(file: str | os.PathLike[str]) -> bytes:
-    """What a file holds, if it has an end: a device may go on for ever, a pipe may never begin.
+    """Reads a file, if it has an end: a device may go on for ever, a pipe may never begin.
 
     Raises:
         OSError: it is no regular file, is too large, or the file system refuses.

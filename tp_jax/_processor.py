@@ -1,4 +1,4 @@
-"""What the processor can do, without asking a library that would have to be loaded."""
+"""Features of the processor, without asking a library that would have to be loaded."""
 
 import functools
 import hashlib
@@ -21,6 +21,6 @@ def features(cpuinfo: Path = CPUINFO) -> tuple[str, ...]:
 
 @functools.cache
 def name() -> str:
-    """Another for every kind of processor: a program compiled for one may not run on another."""
+    """Name of the kind of processor: a program compiled for one may not run on another."""
     about = platform.system(), platform.machine(), platform.processor(), features()
     return hashlib.sha256(repr(about).encode()).hexdigest()[:16]

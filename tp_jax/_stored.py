@@ -64,9 +64,9 @@ class Stored:
         Args:
             function: of the static arguments and then pytrees of arrays.
             static: number of static arguments; they must be hashable.
-            describe: of the static arguments, all that the program takes from them beside the
-                package's own source, the same in every process; None where that cannot be said,
-                and such a program is traced anew.
+            describe: of the static arguments, all that the program takes from them in addition
+                to the package's own source, the same in every process; None where that cannot be
+                said, and such a program is traced anew.
         """
         functools.update_wrapper(self, function)
         self.function, self.static, self.describe = function, static, describe
@@ -107,7 +107,7 @@ class Stored:
         return ready(*arrays)
 
     def _file(self, static: tuple, shapes: str) -> Path | None:
-        """Where the trace is kept; None if it is not."""
+        """Returns the file in which the trace is kept; None if it is not."""
         folder, described = programs_folder(), self.describe(*static)
         if folder is None or described is None:
             return None

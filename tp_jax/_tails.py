@@ -17,7 +17,7 @@ def normal(z: ArrayLike) -> np.ndarray:
 
 
 def chi_square_level(p: ArrayLike, dof: ArrayLike) -> np.ndarray:
-    """What chi squared exceeds with probability p."""
+    """Returns the value that chi squared exceeds with probability p."""
     return special.chdtri(dof, p)
 
 
@@ -27,7 +27,7 @@ def chi_square_below(x: ArrayLike, dof: ArrayLike) -> np.ndarray:
 
 
 def chi_square_quantile(p: ArrayLike, dof: ArrayLike) -> np.ndarray:
-    """What chi squared is less than with probability p."""
+    """Returns the value that chi squared is less than with probability p."""
     return 2.0 * special.gammaincinv(0.5 * np.asarray(dof), p)
 
 
@@ -42,7 +42,7 @@ def fisher(F: ArrayLike, dof: ArrayLike, below: ArrayLike) -> np.ndarray:
 
 
 def student_level(p: ArrayLike, dof: ArrayLike) -> np.ndarray:
-    """What Student's t exceeds with probability p."""
+    """Returns the value that Student's t exceeds with probability p."""
     return -special.stdtrit(dof, p)
 
 

@@ -1,4 +1,4 @@
-"""What goes wrong by no fault of the package."""
+"""Errors and notices that are no fault of the package."""
 
 
 class InputError(ValueError):

@@ -1,4 +1,4 @@
-"""What an effect is: a formula that adds to one quantity of the model, null at amplitude zero.
+"""Base of all effects: formulas that add to one quantity of the model, null at amplitude zero.
 
 An effect is one class in one file. It names where it acts and what its amplitudes and shape
 constants are, and gives the increment:
@@ -132,7 +132,7 @@ class Effect:
     by_hand: ClassVar[str] = ""
 
     def increment(self, m: Motion, **values: Any) -> Any:
-        """What the effect adds to its quantity at one instant.
+        """Returns what the effect adds to its quantity at one instant.
 
         Args:
             m: motion and torques of the instant; filled up to the effect's hook.
@@ -162,12 +162,12 @@ class Effect:
         return CHANNELS[self.location]
 
     def resolved(self, omega: float, step: float) -> bool:  # noqa: ARG002
-        """Whether samples `step` [s] apart can show the effect at a drive frequency [rad/s]."""
+        """True where samples `step` [s] apart can show the effect at a drive frequency [rad/s]."""
         return True
 
     @property
     def about_rider(self) -> bool:
-        """Whether it makes no sense without a second body."""
+        """True where it makes no sense without a second body."""
         return "rider" in self.needs or self.hook in ("contact", "sensor2")
 
     def qualified(self, name: str) -> str:
@@ -202,7 +202,7 @@ class Applied(eqx.Module):
         return self.effect.n_states
 
     def increment(self, m: Motion) -> Any:
-        """What it adds."""
+        """Returns what it adds."""
         return self.effect.increment(m, **self.values)
 
     def rates(self, m: Motion) -> tuple:

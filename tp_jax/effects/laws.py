@@ -29,9 +29,9 @@ from tp_jax.model.arrays import AnyArray
 from tp_jax.model.motion import Motion
 
 DEGREE = 12
-"""Of the polynomials: by least squares they follow a sine of two periods within .0014 of its size,
-and |x| within a twentieth at its kink, a hundredth on average. One call of the engine takes sixteen
-columns."""
+"""Degree of the polynomials: by least squares they follow a sine of two periods within .0014 of its
+size, and |x| within a twentieth at its kink, a hundredth on average. One call of the engine takes
+sixteen columns."""
 
 FROZEN = -1.0
 """Least value of a relative change of a friction: below, it would drive the motion."""
@@ -67,7 +67,7 @@ ARGUMENTS = {
 
 @dataclasses.dataclass(frozen=True)
 class Place:
-    """Where a law acts, and what its curve is.
+    """Place where a law acts, and what its curve is.
 
     Attributes:
         location, hook: of the effect. unit: of the curve. size: typical size of the curve.
@@ -164,13 +164,13 @@ def curve(x: Any, middle: Any, half: Any, coefficients: Sequence[Any] | AnyArray
 
 
 def _added(place: Place, m: Motion, y: Any) -> Any:
-    """What a curve adds at its hook."""
+    """Returns what a curve adds at its hook."""
     y = place.size * y
     return place.times(m) * (jnp.maximum(y, FROZEN) if place.friction else y)
 
 
 _BOUND = 20.0
-"""Of a coefficient, in units of the place's size: seven standard deviations of the prior."""
+"""Bound of a coefficient, in units of the place's size: seven standard deviations of the prior."""
 
 _AMPLITUDES = tuple(
     Amplitude(name, "1", 1.0 / n, -_BOUND, _BOUND) for n, name in enumerate(NAMES, start=1)
@@ -197,11 +197,11 @@ class AnyLaw(Effect):
 
     @property
     def hooks(self) -> tuple[str, ...]:
-        """Those of all places."""
+        """Returns the hooks of all places."""
         return tuple(place.hook for place in PLACES.values())
 
     def increment(self, m, middle, half, **numbers):  # type: ignore[override]
-        """What the law adds at the hook that is asked (`Motion.hook`)."""
+        """Returns what the law adds at the hook that is asked (`Motion.hook`)."""
         if not hasattr(m, "curve"):  # at the first hook; it is the same at all
             x = sum(numbers[f"over_{n}"] * each.of(m) for n, each in ARGUMENTS.items())
             m.curve = curve(x, middle, half, [numbers[n] for n in NAMES])

@@ -1,4 +1,4 @@
-"""Which effects there are: every class in this package, those installed, those registered."""
+"""Registry of effects: every class in this package, those installed, those registered."""
 
 import functools
 import importlib

@@ -6,7 +6,7 @@ from tp_jax.effects.base import Applied, Effect
 from tp_jax.model.presets import double_pendulum, values
 
 NEEDS = frozenset({"rider", "sine", "measured", "several", "inertias"})
-"""What an effect may need of a campaign."""
+"""Conditions of a campaign that an effect may need."""
 
 _STATES = 16
 

@@ -1,4 +1,4 @@
-"""The baseline fit of a campaign: start from the data, then windows that grow.
+"""The baseline fit of a campaign: start from the data, then a schedule of window lengths.
 
 Short windows are convex enough to be found from afar; long ones say more. The horizon follows the
 sampling and the period of the motion, the smoothing of the friction is raised as the windows
@@ -72,7 +72,7 @@ class Setting:
         horizons: window lengths [s], growing.
         capacity: samples of a block.
         fixed: values the user or the campaign gave.
-        priors: anchors from the campaign (name: value, sd).
+        priors: those from the campaign (name: value, sd).
         model: "newton" or "paper".
         bounds: by name, where the user gave them.
         widths: (r,) samples of the window that smooths a recording.
@@ -137,12 +137,12 @@ class Setting:
 
     @property
     def rider(self) -> bool:
-        """Whether there is a second body."""
+        """True where there is a second body."""
         return self.campaign.model == "double"
 
     @property
     def sine(self) -> bool:
-        """Whether any drive is a commanded sine."""
+        """True where any drive is a commanded sine."""
         return any(_sine(r) for r in self.recordings)
 
     @property
@@ -304,7 +304,7 @@ def grow(
     progress: Progress | None = None,
     max_iterations: int = PATIENCE,
 ) -> Fit:
-    """Fits on growing windows, with the friction's smoothing raised on the way."""
+    """Fits on a schedule of window lengths, with the friction's smoothing raised on the way."""
     horizons = setting.horizons if horizons is None else horizons
     ladder = np.minimum(
         np.geomspace(PAPER_EPS, setting.eps, max(len(horizons) - 1, 1)), setting.eps

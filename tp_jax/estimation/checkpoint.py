@@ -1,4 +1,4 @@
-"""What a long computation has done so far, in a file that it can go on from."""
+"""Results of a long computation so far, in a file that it can go on from."""
 
 import hashlib
 import json
@@ -14,7 +14,7 @@ from tp_jax.schemas import fits, starts
 
 @dataclass(frozen=True)
 class Contents:
-    """What a checkpoint is of.
+    """Kind of results that a checkpoint holds.
 
     Attributes:
         version: in the file's "schema". read: of a path, the file's content, checked.

@@ -1,4 +1,4 @@
-"""Where a fit ended, and the priors that it had."""
+"""End of a fit, and the priors that it had."""
 
 import dataclasses
 
@@ -22,7 +22,7 @@ class Anchor:
 
 @dataclasses.dataclass
 class Fit:
-    """Where a fit ended.
+    """End of a fit.
 
     values: all numbers; states: (w, 4); unknowns; cost: sum of squares, priors included;
     eliminated: gradient and information in *physical* units of the unknowns; at_bound: (u,)

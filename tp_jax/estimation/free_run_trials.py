@@ -1,4 +1,4 @@
-"""Many starts of the paper's way, told like those of any other search."""
+"""Many starts of the paper's way, reported like those of any other search."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -53,7 +53,7 @@ def search_free_runs(
 def _outcome(
     ladder: Ladder, values: Values, y: float, evaluations: int, converged: bool, message: str
 ) -> Outcome:
-    """What the numbers found are worth, and how well they are known."""
+    """Returns what the numbers found are worth, and how well they are known."""
     if not np.isfinite(y):
         x = values.pick(ladder.setting.unknowns())
         return Outcome.failed(x, "No free run from here could be integrated.")

@@ -1,4 +1,4 @@
-"""What `identify` found, as plain numbers and in words."""
+"""Result of `identify`, as plain numbers and in words."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ SHOWN = ("value", "unit", "ci95", "identifiable")
 
 @dataclasses.dataclass(frozen=True)
 class Identification:
-    """What `identify` found; `to_dict` is the result as plain numbers.
+    """Result of `identify`; `to_dict` gives it as plain numbers.
 
     result: see there. fit: the best, at the longest horizon. trials: all starts, in order.
     """
@@ -61,7 +61,7 @@ class Identification:
 
 
 def told(success: dict[str, Any], starts: Sequence[dict[str, Any]]) -> str:
-    """How many starts succeeded, and at what cost."""
+    """Says how many starts succeeded, and at what cost."""
     reached, of = success["reached"], success["of"]
     if of == 1:
         return f"One start, {starts[0]['evaluations']} passes over the data."
@@ -95,7 +95,7 @@ def _held(value: float, unit: str) -> dict[str, Any]:
 
 
 def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[dict]:
-    """What a user must know before using the numbers; entries: see `intervals`."""
+    """Lists what a user must know before using the numbers; entries: see `intervals`."""
     found = []
     torques = [p.name for p in BASE if p.per_inertia]
     if setting.campaign.B1 is None and "B1" not in setting.fixed:
@@ -146,7 +146,7 @@ def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[dict]
 
 
 def start_warnings(trials: Sequence[Trial], reached: Sequence[bool]) -> list[dict]:
-    """What the starts say about the answer."""
+    """Warns of what the starts say about the answer."""
     failed = [t for t in trials if not np.isfinite(t.end.cost)]
     found = []
     if failed:

@@ -133,7 +133,7 @@ def taken_or_done(fitter: Fitter) -> Fitter:
 def fits_checkpoint(
     path: str | Path | None, resume: bool, campaign: Campaign, options: Mapping[str, Any]
 ) -> Checkpoint | None:
-    """Where the fits of a diagnosis are kept, those that are there read if it is to be resumed.
+    """Opens the checkpoint of the fits of a diagnosis; to resume, reads those that are there.
 
     Args:
         path: the file; None: they are not kept.

@@ -42,8 +42,8 @@ class Rung:
 
 
 def rungs(setting: Setting, objective: Objective = "windows") -> tuple[Rung, ...]:
-    """From the shortest horizon of a campaign to the longest, for a free run the longest alone;
-    the last one again with the sharpest friction."""
+    """Returns the rungs from the shortest horizon of a campaign to the longest, for a free run the
+    longest alone; the last one again with the sharpest friction."""
     if objective == "free-run":
         longest = max(setting.recordings[i].duration for i in setting.fitted)
         return _with_sharpest(setting, Rung(longest, setting.eps, False, FINE))
@@ -116,8 +116,8 @@ class Ladder:
         return self._fit(self.rungs[-1], fit.values, None, fit.states)
 
     def as_it_is(self, values: Values, states: np.ndarray | None = None) -> Fit:
-        """What numbers are worth at the last rung: only the windows' states are fitted, and not
-        even they where they are given."""
+        """Evaluates numbers at the last rung: only the windows' states are fitted, and not even
+        they where they are given."""
         problem = problem_of(self.setting, self.rungs[-1])
         values = self._smoothed(self.rungs[-1], values)
         unknowns, passes = self.setting.unknowns(), 0.0

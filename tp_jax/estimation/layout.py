@@ -1,4 +1,4 @@
-"""Which numbers a rig has: every parameter, nuisance and effect in one row of slots.
+"""The numbers that a rig has: every parameter, nuisance and effect in one row of slots.
 
 The batch engine gets all slots for every lane; which of them are unknown is data (`Unknowns`).
 So one compiled program serves the baseline and every effect.
@@ -25,7 +25,7 @@ from tp_jax.model.pendulum import (
 from tp_jax.model.sensors import Sensors
 from tp_jax.model.spring import LinearSpring
 
-#: What a recording fixes: commanded frequency, kind of drive, drift clock.
+#: Numbers that a recording fixes: commanded frequency, kind of drive, drift clock.
 GIVEN = (
     Parameter("omega", "rad/s", 0.0, 1e3, scope="recording", description="commanded frequency"),
     Parameter("running", "1", 0.0, 1.0, scope="recording", description="1: the sine drive runs"),
@@ -44,7 +44,7 @@ ROOM = 32
 
 
 def is_from_outside(effect: Effect) -> bool:
-    """Whether an effect's class is not one of this package's."""
+    """True where an effect's class is not one of this package's."""
     return type(effect).__module__.split(".")[0] != __name__.split(".")[0]
 
 
@@ -155,7 +155,7 @@ class Layout:
         return self.sensing | (ids & self.learned)
 
     def lateness(self, table: np.ndarray) -> np.ndarray:
-        """By how much later than recorded a measured drive is to be read (R,) [s].
+        """Returns how much later than recorded a measured drive is to be read (R,) [s].
 
         Args:
             table: all numbers (slots, R).
@@ -244,7 +244,7 @@ class Values:
 
     @classmethod
     def build(cls, layout: Layout, n_recordings: int, values: Mapping[str, object]) -> "Values":
-        """From numbers by name, each one or one per recording; shapes start mid-grid."""
+        """Makes them from numbers by name, each one or one per recording; shapes start mid-grid."""
         table = np.zeros((len(layout.parameters), n_recordings))
         for effect in layout.effects:
             for s in effect.shapes:
@@ -281,7 +281,7 @@ class Values:
         return Values(self.layout, self.table[:, list(index)])
 
     def to_dict(self) -> dict[str, float | list[float]]:
-        """By name; a list where the recordings differ."""
+        """Returns the numbers by name; a list where the recordings differ."""
         out: dict[str, float | list[float]] = {}
         for p, row in zip(self.layout.parameters, self.table, strict=True):
             out[p.name] = [float(x) for x in row] if p.scope == "recording" else float(row[0])

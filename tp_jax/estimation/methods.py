@@ -15,7 +15,7 @@ OBJECTIVES: tuple[Objective, ...] = ("windows", "free-run")
 
 
 def usual_objective(method: str | Solver) -> Objective:
-    """What a method minimises unless told otherwise."""
+    """Returns what a method minimises unless another objective is asked for."""
     return "free-run" if method == NELDER_MEAD else "windows"
 
 

@@ -56,7 +56,7 @@ class Trial:
     alone: int
 
     def record(self, i: int) -> dict[str, Any]:
-        """For identify's JSON."""
+        """Returns the trial for identify's JSON."""
         joined = self.met != i
         spent = self.near.evaluations if joined else self.alone
         message = f"Met start {self.met + 1} in short windows." if joined else self.end.message

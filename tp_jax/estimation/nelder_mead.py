@@ -108,14 +108,14 @@ class NelderMead(optx.AbstractMinimiser):
         return self.ended(state.simplex), optx.RESULTS.successful
 
     def ended(self, s: Simplex) -> Bool[Array, ""]:
-        """Whether it ends here."""
+        """True where the search ends here."""
         done = self.converged(s)
         if self.max_iterations is None:
             return done
         return done | (s.between & (s.iterations >= self.max_iterations))
 
     def converged(self, s: Simplex) -> Bool[Array, ""]:
-        """Whether the simplex is smaller than the tolerances."""
+        """True where the simplex is smaller than the tolerances."""
         return converged(s, self.atol, self.atol if self.ftol is None else self.ftol, self.rule)
 
     def postprocess(self, fn, y, aux, args, options, state, tags, result):  # noqa: ARG002
@@ -135,7 +135,7 @@ class NelderMead(optx.AbstractMinimiser):
 
 
 class Searched(NamedTuple):
-    """What `minimise_many` returns, by lane.
+    """Result of `minimise_many`, by lane.
 
     x: (L, n) the best vertices; value: (L,) there; converged: (L,) whether the simplex is smaller
     than the tolerances; iterations, evaluations: (L,).

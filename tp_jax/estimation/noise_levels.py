@@ -21,8 +21,8 @@ COARSE = 2.0  # steps of a channel, in standard deviations of its noise, that hi
 
 
 def steps_hide(readings: np.ndarray, level: float) -> bool:
-    """Whether the steps of a channel's readings [rad] hide its noise: rounding then goes with the
-    motion in part."""
+    """True where the steps of a channel's readings [rad] hide its noise: rounding then goes with
+    the motion in part."""
     return bool(quantum(readings) > COARSE * level)
 
 

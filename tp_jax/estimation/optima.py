@@ -1,4 +1,4 @@
-"""Which starts have found the same optimum."""
+"""Groups of starts that have found the same optimum."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ SAME = 1.0  # chi-square, in units of the misfit
 
 
 def indistinguishable(a: Outcome, b: Outcome, u_a: np.ndarray, u_b: np.ndarray) -> bool:
-    """Whether the data cannot tell two outcomes apart.
+    """True where the data cannot tell two outcomes apart.
 
     Their sums of squares differ by less than one, and so they would if one moved to the other's
     numbers, as the better one's information says. Where the model misses the data by more than

@@ -33,7 +33,7 @@ from tp_jax.estimation.window_states import KINK, settle, state_steps
 
 log = logging.getLogger(__name__)
 
-#: Of optimistix, on residuals or on half their sum of squares.
+#: Methods of optimistix, on residuals or on half their sum of squares.
 Solver = optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser
 SOLVER_KINDS = (optx.AbstractLeastSquaresSolver, optx.AbstractMinimiser)
 
@@ -60,7 +60,7 @@ class DampedGaussNewton(optx.AbstractGaussNewton):
     verbose: Callable[..., None] = eqx.field(static=True, default=lambda **_: None)
 
 
-#: By the name on the command line.
+#: Solvers by the name on the command line.
 SOLVERS: dict[str, Solver] = {
     "variable-projection": VariableProjection(),
     "levenberg-marquardt": optx.LevenbergMarquardt(**_ENDS),

@@ -1,4 +1,4 @@
-"""Where a search from one start ended, as numbers that a file can hold."""
+"""End of a search from one start, as numbers that a file can hold."""
 
 import dataclasses
 import math
@@ -38,7 +38,7 @@ class Outcome:
     def of(
         cls, fit: Fit, *, keep_states: bool = False, objective: float | None = None
     ) -> "Outcome":
-        """That of a fit."""
+        """Makes the outcome of a fit."""
         specs = [parameter(fit.problem, u) for u in fit.unknowns]
         x = fit.values.pick(fit.unknowns)
         slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
@@ -53,12 +53,12 @@ class Outcome:
 
     @classmethod
     def failed(cls, x: np.ndarray, message: str) -> "Outcome":
-        """Of a start from which nothing came."""
+        """Makes the outcome of a start from which nothing came."""
         n = x.size
         return cls(x, np.inf, np.inf, np.zeros((n, n)), 0, False, message, np.inf)
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON: lists, and null for what is infinite."""
+        """Returns the outcome for JSON: lists, and null for what is infinite."""
         out: dict[str, Any] = {}
         for name, value in dataclasses.asdict(self).items():
             if isinstance(value, np.ndarray):

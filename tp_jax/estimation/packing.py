@@ -89,7 +89,7 @@ def _samples(first: np.ndarray, count: np.ndarray) -> np.ndarray:
 
 
 class Rows(NamedTuple):
-    """Where samples of windows lie in a block (L n,), and among rows of all windows' (w, n)."""
+    """Places of windows' samples in a block (L n,), and among rows of all windows' (w, n)."""
 
     block: np.ndarray
     window: np.ndarray
@@ -97,7 +97,7 @@ class Rows(NamedTuple):
 
 
 def rows(windows: Windows, packed: Packed) -> Rows:
-    """Those of one block."""
+    """Returns the rows of one block."""
     which, places, block = packed
     count = windows.count[which]
     row = _samples(np.zeros_like(count), count)

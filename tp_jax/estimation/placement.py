@@ -1,4 +1,4 @@
-"""Which windows share a lane, so that all lanes of a block end at about the same time.
+"""Windows that share a lane, chosen so that all lanes of a block end at about the same time.
 
 A block is done when its slowest lane is, and what a window costs differs by a factor of four: a
 reversal of either velocity takes as many steps as some eighty samples between reversals. Windows
@@ -17,7 +17,7 @@ PER_SAMPLE, PER_REVERSAL = 0.56, 43.0  # steps of the engine
 SHORTEST = 8  # samples: a window takes as much room at least, so that a lane holds not too many
 MORE = 2  # blocks that there may be beyond those that the samples need
 PER_BLOCK = 60.0  # steps that the readings of a block and its way there and back take as long as
-OF_BOTH = 0.2  # weight of what both threads take beside what the longer one takes
+OF_BOTH = 0.2  # weight of what both threads take in addition to what the longer one takes
 AT_REST = 3.0  # standard errors below which a velocity has no sign
 
 
@@ -41,7 +41,7 @@ def expected_steps(windows: Windows, prepared: Sequence[Prepared]) -> np.ndarray
 
 
 class Experience:
-    """What windows were seen to take, of all problems of a campaign."""
+    """Steps that windows were seen to take, of all problems of a campaign."""
 
     def __init__(self) -> None:
         self._steps: dict[tuple[int, int, int], float] = {}
@@ -67,7 +67,7 @@ def _keys(windows: Windows) -> Iterable[tuple[int, int, int]]:
 
 
 def longest(places: np.ndarray, cost: np.ndarray) -> float:
-    """What the slowest lanes of all blocks take together."""
+    """Computes what the slowest lanes of all blocks take together."""
     lanes = np.zeros((int(places[:, 0].max()) + 1, int(places[:, 1].max()) + 1))
     np.add.at(lanes, (places[:, 0], places[:, 1]), cost)
     return float(lanes.max(axis=1).sum())
@@ -94,7 +94,7 @@ def place(windows: Windows, cost: np.ndarray, capacity: int, width: int) -> np.n
 
 
 def _time(places: np.ndarray, cost: np.ndarray) -> float:
-    """What two threads take for blocks, each of which takes as long as its slowest lane."""
+    """Computes the time of two threads for blocks, each as long as its slowest lane."""
     lanes = np.zeros((int(places[:, 0].max()) + 1, int(places[:, 1].max()) + 1))
     np.add.at(lanes, (places[:, 0], places[:, 1]), cost)
     threads = [0.0, 0.0]
@@ -104,7 +104,7 @@ def _time(places: np.ndarray, cost: np.ndarray) -> float:
 
 
 def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: int) -> np.ndarray:
-    """With so many blocks more than the samples need."""
+    """Places windows with so many blocks more than the samples need."""
     groups = [np.flatnonzero(windows.recording == r) for r in np.unique(windows.recording)]
     room_for = np.maximum(windows.count, SHORTEST)
     lanes = [_least(room_for[g], cost[g], capacity) for g in groups]
@@ -130,7 +130,7 @@ def _place(windows: Windows, cost: np.ndarray, capacity: int, width: int, more: 
 
 
 def _slowest(cost: np.ndarray, lanes: list[np.ndarray]) -> float:
-    """What the slowest lane of a recording costs; -1 where every window has a lane of its own."""
+    """Computes the cost of a recording's slowest lane; -1 where every window has its own lane."""
     return max(cost[lane].sum() for lane in lanes) if len(lanes) < cost.size else -1.0
 
 

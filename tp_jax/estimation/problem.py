@@ -76,7 +76,7 @@ class Problem:
 
     @property
     def measured(self) -> bool:
-        """Whether a drive was measured: the blocks then carry its pieces."""
+        """True where a drive was measured: the blocks then carry its pieces."""
         return any(p.pieces is not None for p in self.prepared)
 
     def initial_states(self, values: Values | None = None) -> np.ndarray:
@@ -140,7 +140,7 @@ class Problem:
         return np.isin(self.windows.recording, list(recordings))
 
     def _places(self) -> np.ndarray:
-        """Where every window is put (w, 4), see `place`."""
+        """Returns the place of every window (w, 4), see `place`."""
         cost = self.programs.experience.expected(self.windows, self.prepared)
         return place(self.windows, cost, self.capacity, LANES)
 
@@ -242,8 +242,8 @@ class Problem:
         Args:
             values: all numbers.
             states: (w, 4) initial states of the windows.
-            slots: names to differentiate by beside the states; any number, taken in fixed
-                portions, and none in a program of its own.
+            slots: names to differentiate by in addition to the states; any number, taken in
+                fixed portions, and none in a program of its own.
             own: (w, k) the effects' own states there; from the motion until there if None.
         """
         index = [self.layout.index[s] for s in slots]
@@ -380,7 +380,7 @@ class Problem:
 
     @property
     def coloured(self) -> bool:
-        """Whether any sensor's noise is correlated from sample to sample."""
+        """True where any sensor's noise is correlated from sample to sample."""
         return any(not c.is_white for p in self.prepared for c in p.colour)
 
     def whiten(self, columns: np.ndarray) -> None:

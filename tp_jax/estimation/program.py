@@ -173,7 +173,7 @@ class _Rows(NamedTuple):
 
     @classmethod
     def of(cls, layout: Layout, ids: frozenset[str], room: int) -> "_Rows":
-        """Those of a model with some effects; `room` rows are there (`Layout.room`)."""
+        """Makes the rows of a model with some effects; `room` rows are there (`Layout.room`)."""
         used = layout.depends(ids)
         place = np.full(room, len(used))
         place[list(used)] = np.arange(len(used))
@@ -185,7 +185,7 @@ class _Rows(NamedTuple):
         return (*(p[i] for i in self.used), 0.0 * p[0])
 
     def spread(self, q: Sequence) -> list:
-        """What is used, each at its slot; None elsewhere."""
+        """Puts what is used at its slots; None elsewhere."""
         every: list = [None] * self.slots
         for i, x in zip(self.used, q, strict=False):  # the zero behind them is no slot
             every[i] = x

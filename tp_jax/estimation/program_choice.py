@@ -1,4 +1,4 @@
-"""Which effects each compiled program of a campaign carries."""
+"""Choice of the effects that each compiled program of a campaign carries."""
 
 from collections.abc import Callable, Collection, Sequence
 
@@ -11,14 +11,14 @@ NONE = frozenset[str]()
 
 
 class Programs:
-    """Which effects each compiled program of a campaign carries.
+    """Compiled programs of a campaign, and the effects that each carries.
 
-    A family of effects shares one, so that all of them may be looked at (`Layout.families`). Beside
-    effects that are there already, all families without states share one, which serves whatever is
-    there, and is compiled once for all campaigns. One of everything would take minutes to compile
-    and gigabytes: a family with states is looked at beside just what is there, and so are laws
-    and an effect from outside the package. Each is compiled when it is first needed; what fits into
-    several uses the smallest.
+    A family of effects shares one, so that all of them may be looked at (`Layout.families`). In
+    addition to effects that are there already, all families without states share one, which serves
+    whatever is there, and is compiled once for all campaigns. One of everything would take minutes
+    to compile and gigabytes: a family with states is looked at in addition to just what is there,
+    and so are laws and an effect from outside the package. Each is compiled when it is first
+    needed; what fits into several uses the smallest.
     """
 
     def __init__(self, layout: Layout):

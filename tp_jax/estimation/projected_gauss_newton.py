@@ -106,7 +106,7 @@ class VariableProjection(optx.AbstractLeastSquaresSolver):
         return y, aux, {"sum_of_squares": state.cost}
 
     def _damping(self, state: _State, drop: Scalar, better: Bool[Array, ""]) -> Scalar:
-        """That of the next step, by how much of its promise the last one kept."""
+        """Computes the damping of the next step, by how much of its promise the last one kept."""
         gain = drop / jnp.maximum(state.promise, jnp.finfo(drop.dtype).tiny)
         less = state.damping * jnp.where(gain > 0.7, 0.1, 0.5)
         less = jnp.where(state.refused, state.damping, jnp.maximum(less, LEAST))

@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 
 @dataclasses.dataclass(frozen=True)
 class ResidualNoisePolicy:
-    """What decides about a colour.
+    """Thresholds that decide about a colour.
 
     Attributes:
         harmonics: of a commanded drive's phase that belong to the motion.
@@ -338,7 +338,7 @@ def _projected(table: np.ndarray):
 
 
 def _features(setting: Setting, i: int, first: np.ndarray, states: np.ndarray, policy):
-    """What goes with the motion of a recording in its windows (w, n, q)."""
+    """Returns what goes with the motion of a recording in its windows (w, n, q)."""
     r, p = setting.recordings[i], setting.prepared[i]
     w, n = states.shape[:2]
     at = np.minimum(first[:, None] + np.arange(n)[None, :], p.t.size - 1)

@@ -26,7 +26,7 @@ NORMAL = 1.96  # standard errors of half a 95 % interval
 
 
 def intervals_over_ridges(fit: Fit, setting: Setting, loss: Loss = "linear") -> dict[str, dict]:
-    """As `intervals`, but over the ridges of nonlinear numbers that are not identified.
+    """Computes `intervals`, but over the ridges of nonlinear numbers that are not identified.
 
     An entry whose interval grew has `ridge`, the name of the number that was held.
     """

@@ -27,7 +27,7 @@ ABSOLUTE = 0.00025  # or this where it is zero
 
 
 class Coefficients(NamedTuple):
-    """Of reflection, expansion, contraction and shrinking."""
+    """Coefficients of reflection, expansion, contraction and shrinking."""
 
     reflect: float = 1.0
     expand: float = 2.0
@@ -67,7 +67,7 @@ class Simplex(NamedTuple):
 
     @property
     def between(self) -> Bool[Array, ""]:
-        """Whether an iteration has just ended: all vertices have their values, in order."""
+        """True where an iteration has just ended: all vertices have their values, in order."""
         return self.waits == REFLECTION
 
 
@@ -93,7 +93,7 @@ def initial_simplex(x: Float[AnyArray, "... n"], box: Box | None = None) -> Floa
 
 
 def adaptive_coefficients(n: int) -> Coefficients:
-    """Those of Gao and Han for n dimensions."""
+    """Returns the coefficients of Gao and Han for n dimensions."""
     return Coefficients(1.0, 1.0 + 2.0 / n, 0.75 - 1.0 / (2.0 * n), 1.0 - 1.0 / n)
 
 
@@ -182,7 +182,7 @@ def absorb(s: Simplex, value: Float[Array, ""], box: Box, c: Coefficients) -> Si
 
 
 def converged(s: Simplex, xtol: float | Array, ftol: float | Array, rule: Rule) -> Bool[Array, ""]:
-    """Whether all vertices lie within xtol of the best, coordinate by coordinate, and all values
+    """True where all vertices lie within xtol of the best, coordinate by coordinate, and all values
     within ftol of the best value: TolX and TolFun. `fminsearch` lets neither fall below ten
     spacings of floating point numbers."""
     far = jnp.max(jnp.abs(s.vertices[1:] - s.vertices[0]))

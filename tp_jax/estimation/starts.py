@@ -28,7 +28,7 @@ NEAR = 10.0  # typical sizes to which an unknown that may be anything is drawn
 
 @dataclasses.dataclass(frozen=True)
 class Axis:
-    """How one unknown is drawn: uniformly between two ends of a coordinate.
+    """Axis along which one unknown is drawn: uniformly between two ends of a coordinate.
 
     The coordinate is the logarithm; for what may be zero asinh(value / typical), which is linear
     up to the typical size and logarithmic beyond; and the value itself for what has either sign.
@@ -42,7 +42,7 @@ class Axis:
 
     @classmethod
     def of(cls, spec: Parameter, bounds: tuple[float, float] | None) -> "Axis":
-        """That of a parameter, scaled to the rig, with the user's bounds in place of its own."""
+        """Makes the axis of a parameter, scaled to the rig; bounds of the user replace its own."""
         low, high = bounds or (spec.lower, spec.upper)
         if spec.transform == "log" or spec.lower > 0.0:
             # a bound of zero says nothing, and has no logarithm
@@ -71,7 +71,7 @@ class Axis:
 
 @dataclasses.dataclass(frozen=True)
 class Start:
-    """Where a search begins: all numbers, and the drawn point (u,); None for the data's own."""
+    """Start of a search: all numbers, and the drawn point (u,); None for the data's own."""
 
     values: Values
     point: np.ndarray | None

@@ -1,4 +1,4 @@
-"""How often a search from random starts succeeds, and what a success costs."""
+"""Success rate of a search from random starts, and the cost of a success."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -19,12 +19,12 @@ class Success:
     expected_evaluations: float | None
 
     def to_dict(self) -> dict:
-        """For JSON."""
+        """Returns the counts for JSON."""
         return {**dataclasses.asdict(self), "ci95": list(self.ci95)}
 
 
 def success(reached: Sequence[bool], evaluations: Sequence[float]) -> Success:
-    """Of starts that reached the best or did not, and what each of them took.
+    """Counts starts that reached the best, and estimates what a success costs.
 
     The expected number of evaluations until the first success, starts being repeated until then,
     is estimated by all evaluations over all successes.

@@ -10,7 +10,7 @@ Result = TypeVar("Result")
 
 
 def by_two(run: Callable[[Job], Result], jobs: Sequence[Job]) -> list[Result]:
-    """What `run` makes of each job, by this thread and one more; a single job needs none more."""
+    """Applies `run` to each job, by this thread and one more; a single job needs none more."""
     if len(jobs) == 1:
         return [run(jobs[0])]
     waiting = deque(enumerate(jobs))

@@ -55,7 +55,7 @@ class Unfolded(NamedTuple):
 
 
 class Coordinates(NamedTuple):
-    """How unknowns become numbers of the model.
+    """Map from unknowns to numbers of the model.
 
     rows: (u,) slots; own: (u,) the recording of each, -1 for all; place: (u,) of each among the
     directions; typical: (u,); logs, asinhs: (u,) bool, whose coordinate is a logarithm or an asinh.
@@ -144,8 +144,8 @@ class WindowResiduals(eqx.Module):
         return r, jnp.concatenate([J.reshape(-1, u.size), jnp.diag(self.weight)])
 
     def _followed(self, seen: "_Seen", cross: Float[Array, "L W 4 u"]) -> Float[Array, "L W 4 u"]:
-        """How the windows' states follow the unknowns: along a kink where they lie in one, as in
-        `elimination.eliminate`."""
+        """Computes how the windows' states follow the unknowns: along a kink where they lie in one,
+        as in `elimination.eliminate`."""
         g = seen.gradient
         solved = -_solved(seen.information, jnp.concatenate([g[..., None], cross], axis=-1))
         step, gain = solved[..., 0], solved[..., 1:]
@@ -343,7 +343,7 @@ def _unfolded(
     problem: Problem, states: np.ndarray, gain: np.ndarray, which: np.ndarray, places: np.ndarray,
     block: Block,
 ) -> Unfolded:  # fmt: skip
-    """Where the windows of a block lie, and their noise."""
+    """Returns the places of the windows of a block, and their noise."""
     n, count = problem.capacity, block.begins.shape[0]
     recording, start = np.zeros(LANES, int), np.zeros((LANES, count, 4))
     follow = np.zeros((LANES, count, *gain.shape[1:]))

@@ -1,4 +1,4 @@
-"""Which of the chosen causes are offered: those that harm nothing, are probable, and have a size.
+"""Chosen causes that are offered: those that harm nothing, are probable, and have a size.
 
 A choice is made inside the fitted data. What it came to is held against the held-out recordings,
 and against its own probabilities: a cause that is less likely than not, together with those that
@@ -48,7 +48,7 @@ def without_harm(
 
 
 def _predicts_worse(setting: Setting, before: Refit, after: Refit, horizon: float) -> bool:
-    """Whether held-out recordings are predicted worse by the second model."""
+    """True where held-out recordings are predicted worse by the second model."""
 
     def errors_of(result: Refit) -> dict[str, float | None]:
         held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
@@ -118,7 +118,7 @@ def _offered(setting: Setting, choice: Choice, id: str, probabilities: dict[str,
 
 
 def has_size(setting: Setting, result: Refit, id: str) -> bool:
-    """Whether the interval of any amplitude of a cause leaves out zero.
+    """True where the interval of any amplitude of a cause leaves out zero.
 
     An effect whose amplitudes belong to recordings has none of the campaign: then it counts.
     """
@@ -157,7 +157,7 @@ def least_probable(setting: Setting, choice: Choice, probabilities: dict[str, fl
 
 
 def is_worse(before: dict, after: dict) -> bool:
-    """Whether held-out recordings are predicted worse, in windows or in a free run."""
+    """True where held-out recordings are predicted worse, in windows or in a free run."""
     for how in ("windowed", "free_run"):
         old, new = before[how], after[how]
         if old is not None and (new is None or not new <= POLICY.verdict.worse * old):

@@ -1,4 +1,4 @@
-"""In how many of the recordings a cause improves the fit.
+"""Number of recordings in which a cause improves the fit.
 
 A cause that is in the rig shows wherever the motion calls for it; one that is credited with the
 oddity of a single recording improves that one alone.
@@ -21,7 +21,7 @@ deviations of one number. Less is as much as noise moves it either way."""
 
 @dataclasses.dataclass(frozen=True)
 class Agreement:
-    """What the recordings say of one cause, each by itself.
+    """Agreement of the recordings on one cause, each by itself.
 
     Attributes:
         improved: how many recordings it fits better. of: how many were asked.
@@ -40,7 +40,7 @@ class Agreement:
 def agreement(
     effect: str, setting: Setting, choice: Choice, before: HeldOut, after: HeldOut | None
 ) -> Agreement | None:
-    """What the recordings say of an effect, added by itself to where its refit began.
+    """Returns what the recordings say of an effect, added by itself to where its refit began.
 
     Args:
         effect: its id. setting: the campaign. choice: with its refit in the first round.

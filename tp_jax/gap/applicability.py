@@ -1,4 +1,4 @@
-"""Which effects a campaign could show at all."""
+"""Effects that a campaign could show at all."""
 
 from collections.abc import Collection
 
@@ -12,7 +12,7 @@ from tp_jax.recordings.faults import nearest
 
 
 def conditions(setting: Setting) -> frozenset[str]:
-    """What the campaign offers, in the words of `Effect.needs`."""
+    """Returns what the campaign offers, in the words of `Effect.needs`."""
     met = set()
     if setting.rider:
         met.add("rider")

@@ -177,7 +177,7 @@ def _evidence(
     error = float(np.hypot(error, np.sqrt(2.0) * least.parts.sum() / max(floor2, 1e-300)))
 
     def beyond(windowed: float, free: float | None) -> float:
-        """What exceeds the noise in windows or in a free run [rad]; infinite of one that fails."""
+        """Returns the excess over noise, windowed or in a free run [rad]; infinite if one fails."""
         run = np.inf if free is None else free**2 - floor2
         return float(np.sqrt(max(windowed, run, 0.0)))
 

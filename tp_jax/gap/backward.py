@@ -1,4 +1,4 @@
-"""Whether every accepted cause is still needed, and whether another would do better in its place.
+"""Tests if every accepted cause is still needed, and if another would do better in its place.
 
 A cause that was accepted first may have taken what belongs to another that came later, or to one
 that only stands out beside it. So after every addition each cause is left out, the others fitted
@@ -111,7 +111,7 @@ def replaced(
 
 
 def _predicts_better(setting: Setting, old: Refit, new: Refit) -> bool:
-    """Whether groups left out are predicted better, in short windows and in long ones."""
+    """True where groups left out are predicted better, in short windows and in long ones."""
     effects = (*old.variants, *new.variants)
     within = any(u.recording is not None for v in effects for u in v.unknowns)
     group = groups(setting, old.fit, POLICY.folds, within)

@@ -1,4 +1,4 @@
-"""How far the gap shrinks on each recording, by models that were not fitted to it.
+"""Shrink of the gap on each recording, by models that were not fitted to it.
 
 One held-out recording tells of one motion. Every fitted one is predicted too, by both models as
 they would be fitted without it: the unknowns move by one Newton step (`crossvalidation.moves`), and

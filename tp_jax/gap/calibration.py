@@ -1,4 +1,4 @@
-"""What the calibration's error may look like in the residuals, and how much of it stays there.
+"""Shapes that the calibration's error may have in the residuals, and how much of it stays there.
 
 A wrong calibration puts an angle off by smooth shapes over that angle (`CalibrationError`). That
 is not white, so it does not enter the weights of the samples, which stay those of the noise.
@@ -55,7 +55,7 @@ def columns(setting: Setting, fit: Fit) -> np.ndarray:
 
 @dataclasses.dataclass(frozen=True)
 class Floor:
-    """What even the right model leaves of the recordings.
+    """Errors of the recordings that even the right model leaves.
 
     Attributes:
         noise: channel -> standard deviation of the white noise [rad].
@@ -77,7 +77,7 @@ class Floor:
 
     @property
     def known(self) -> bool:
-        """Whether anything is known of the calibration's error."""
+        """True where anything is known of the calibration's error."""
         return self.parts.size > 0
 
     def draws(self, rng: np.random.Generator, n: int) -> np.ndarray:
@@ -132,7 +132,7 @@ def floor(setting: Setting, fit: Fit, held_out: Fit) -> Floor:
 def _left(
     lin: Linearisation, jac: np.ndarray, follow: np.ndarray, unit: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What the shapes leave in the samples when window states and unknowns follow them.
+    """Computes what the shapes leave in the samples when window states and unknowns follow them.
 
     Args:
         lin: of some windows.

@@ -88,7 +88,7 @@ class Choice:
 
     @property
     def structure(self) -> Structure:
-        """What is left unexplained, as the last round saw it."""
+        """Returns what is left unexplained, as the last round saw it."""
         return self.rounds[-1].structure
 
 
@@ -115,8 +115,9 @@ def choose(
     sharp = sharp_baseline = sharper(setting, current)
     for n in range(len(REFITTED) + 1):
         progress("screening the catalogue", None)
-        # Beside a cause, effects with states take programs of their own: they wait until something
-        # is left that others see, as they would (what has a memory looks much like what has none).
+        # In addition to a cause, effects with states take programs of their own: they wait until
+        # something is left that others see, as they would (what has a memory looks much like what
+        # has none).
         before, seen, structure = looked_at(setting, current, sharp, seed)
         last, small = n == len(REFITTED), False
         if current.ids and structure.p < POLICY.structure.seen and not last:
@@ -152,8 +153,9 @@ def choose(
                 break
             progress(f"refitting: {s.id}, {i + 1} of {len(ranked)}", i / len(ranked))
             if current.ids or (i == 0 and s.variant.effect.n_states):
-                # The other effects are a burden that many fits would carry: beside what is in, all
-                # without states share a program, of four times the time; so do those with states.
+                # The other effects are a burden that many fits would carry: in addition to what is
+                # in, all without states share a program, of four times the time; so do those with
+                # states.
                 current.fit.problem.programs.add({*current.ids, s.id})
             trial = tried(setting, current, s, known)
             if i < ALWAYS:
@@ -169,7 +171,8 @@ def choose(
                 break
         best = likeliest(refits) if small else most_promising(refits, gains, block)
         if small or earned(*gains[best], left_now, refits[best]):
-            # What comes next is a look at every effect without states beside those that are in.
+            # What comes next is a look at every effect without states in addition to those
+            # that are in.
             programs = current.fit.problem.programs
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
         taken, polished = None, current
@@ -299,7 +302,7 @@ def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:
 def confirmed(
     setting: Setting, current: Refit, trial: Refit, without: dict[tuple, LeftOut]
 ) -> Confirmation:
-    """What recordings left out say of the effect that came last.
+    """Returns what recordings left out say of the effect that came last.
 
     Args:
         setting, current, trial: the campaign, and the fits without and with it.
@@ -330,14 +333,14 @@ def confirmed(
 
 
 def misfits(setting: Setting, fit: Fit) -> bool:
-    """Whether a fit leaves more than noise by the tests that ask for no effect."""
+    """True where a fit leaves more than noise by the tests that ask for no effect."""
     excess = (fit.chi2_dof - 1.0) / np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
     p = combined(1.0, free_structure(setting, fit).p, excess)
     return p < POLICY.structure.level
 
 
 def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:
-    """Whether what a fit leaves may come of the friction's smoothing.
+    """True where what a fit leaves may come of the friction's smoothing.
 
     Sharper friction then takes much of it away, or there is little. Of a model that is wrong by
     more, the smoother one is the better guide: its derivatives hold farther.

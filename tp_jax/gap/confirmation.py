@@ -1,4 +1,4 @@
-"""Whether a cause improves the prediction of motions unlike those fitted.
+"""Confirmation of a cause by the prediction of motions unlike those fitted.
 
 Both models, with the cause and without, predict groups that neither was fitted to (`left_out`). A
 cause is confirmed where the sum of squares falls by more than a search among many effects finds by
@@ -17,7 +17,7 @@ from tp_jax.gap.policy import ConfirmPolicy
 
 @dataclasses.dataclass(frozen=True)
 class Confirmation:
-    """What the prediction of left-out groups says of a cause.
+    """Result of predicting left-out groups with a cause and without.
 
     Attributes:
         confirmed: whether it is.
@@ -76,7 +76,7 @@ def _falls(without: np.ndarray, with_cause: np.ndarray) -> np.ndarray:
 
 
 def _ratio(without: np.ndarray, with_cause: np.ndarray) -> float:
-    """Of root mean squares over the groups; infinite where only the model without is at hand."""
+    """Computes a ratio of rms over the groups; infinite where only the model without is at hand."""
     if not np.isfinite(with_cause[np.isfinite(without)]).all():
         return np.inf
     both = np.isfinite(without) & np.isfinite(with_cause)

@@ -35,7 +35,7 @@ def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
 
 @dataclasses.dataclass(frozen=True)
 class Moves:
-    """How unknowns move when groups of windows are left out, by one Newton step.
+    """Moves of unknowns when groups of windows are left out, by one Newton step.
 
     unknowns: those that follow; g (w, k) and H (w, k, k): gradients and information of the windows
     in coordinates in which all that is known makes a unit matrix, and white (u, k) the way back;
@@ -60,7 +60,7 @@ class Moves:
 
 
 def moves(fit: Fit, fold: np.ndarray) -> Moves:
-    """How unknowns move when each fold is left out.
+    """Computes how unknowns move when each fold is left out.
 
     Args:
         fit: at its optimum, or near it.
@@ -117,7 +117,7 @@ def _value(fit: Fit, unknown: Unknown) -> float:
 
 
 def _moves(fit: Fit, unknown: Unknown) -> bool:
-    """Whether an unknown follows when a fold is left out.
+    """True where an unknown follows when a fold is left out.
 
     Shape constants stay, as they do where they come from a grid: one Newton step of a constant that
     enters so nonlinearly leads anywhere.

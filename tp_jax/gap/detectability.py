@@ -1,4 +1,4 @@
-"""What the linearisation says about the data itself: detectable sizes, what is tied."""
+"""Detectable sizes, and effects that are tied, as the linearisation shows them for the data."""
 
 import numpy as np
 from scipy import optimize

@@ -24,7 +24,7 @@ from tp_jax.recordings import Campaign, hold_out
 
 @dataclasses.dataclass(frozen=True)
 class Diagnosis:
-    """What `diagnose` found; `to_dict` is diagnosis.json."""
+    """Result of `diagnose`; `to_dict` is diagnosis.json."""
 
     result: dict[str, Any]
 
@@ -76,7 +76,7 @@ def diagnose(
     checkpoint: str | Path | None = None,
     resume: bool = False,
 ) -> Diagnosis:
-    """Where the model falls short of a campaign, which effect is missing, and what it gains.
+    """Finds where the model falls short of a campaign, which effect is missing, and what it gains.
 
     Args:
         campaign: see `load_campaign`. Where no recording is marked held out, one is.
@@ -116,7 +116,7 @@ def examine(
     checkpoint: str | Path | None = None,
     resume: bool = False,
 ) -> Examination:
-    """As `diagnose`, with the fits beside the result, for whoever asks them further."""
+    """Does as `diagnose` does, and keeps the fits too, for whoever asks them further."""
     begin = time.perf_counter()
     progress = progress or _silent
     check_known(without)

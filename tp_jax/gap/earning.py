@@ -1,4 +1,4 @@
-"""Whether an effect earns its place among the causes, and which of several does so best."""
+"""Tests if an effect earns its place among the causes, and which of several does so best."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ BESIDE = 0.25  # of what it takes: what others may still promise
 
 
 def earned(drop: float, error: float, gap: float, result: Refit) -> bool:
-    """Whether a fall of the left-out sum of squares makes a cause of an effect.
+    """True where a fall of the left-out sum of squares makes a cause of an effect.
 
     A cause that shows in a few blocks only has a large scatter and is no less real: half of a gap
     that is there beyond chance, gone from data left out, is enough; and so is a likelihood ratio
@@ -52,7 +52,7 @@ def likeliest(refits: dict[str, Refit]) -> str:
 
 
 def clearly(setting: Setting, before: Refit, after: Refit, seed: int) -> bool:
-    """Whether an effect that takes next to nothing of a large gap is there beyond doubt.
+    """True where an effect that takes next to nothing of a large gap is there beyond doubt.
 
     A law of friction that is not quite the rig's leaves something too, which other effects take in
     part. So such an effect is a cause only if it takes more than the best of many would, and what
@@ -74,7 +74,7 @@ def clearly(setting: Setting, before: Refit, after: Refit, seed: int) -> bool:
 
 
 def amplitudes(result: Refit) -> int:
-    """Of the effect that came last."""
+    """Returns the number of amplitudes of the effect that came last."""
     return len(result.variants[-1].unknowns)
 
 

@@ -66,7 +66,7 @@ def forecasts(
     setting: Setting, choice: Choice, first: str | None, rivals: Sequence[str],
     runs: Sequence[Run], duration: float, amplitude: float | None,
 ) -> tuple[Forecast, ...]:  # fmt: skip
-    """What each run is expected to do.
+    """Returns what each run is expected to do.
 
     Args:
         setting, choice: of a diagnosis.
@@ -210,7 +210,7 @@ def outlook(
     examination: Examination, limits: Limits, duration: float, amplitude: float | None = None,
     policy: ExplorePolicy = POLICY.explore,
 ) -> Finding:  # fmt: skip
-    """What a diagnosis says of the next run, forecasts of all that may come included.
+    """Returns what a diagnosis says of the next run, with forecasts of all that may come.
 
     Args:
         examination: the diagnosis with its fits.

@@ -1,4 +1,4 @@
-"""What is left free in every window, of which no cause is known: torques and errors of sensors.
+"""Torques and errors of sensors that are free in every window, and of which no cause is known.
 
 A torque on the column, one between the two bodies (equal and opposite), an error of either sensor,
 a delay between them (times that are off for both are a drive that is late, which is a torque): each
@@ -42,14 +42,14 @@ class _FreeTorque(Effect):
 
 
 class FreeColumnTorque(_FreeTorque):
-    """On the column alone."""
+    """Free torque on the column alone."""
 
     id = "free_column_torque"
     location = hook = "column"
 
 
 class FreeContactTorque(_FreeTorque):
-    """Between column and rider."""
+    """Free torque between column and rider."""
 
     id = "free_contact_torque"
     location = hook = "contact"
@@ -70,7 +70,7 @@ class FreeColumns:
 
 
 def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
-    """What is free in each window of a fit, as columns of its Jacobian."""
+    """Returns what is free in each window of a fit, as columns of its Jacobian."""
     effects = (FreeColumnTorque(), FreeContactTorque()) if setting.rider else (FreeColumnTorque(),)
     before = fit.problem
     layout = Layout(setting.campaign.model, effects)

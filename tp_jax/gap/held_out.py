@@ -110,7 +110,7 @@ def expected_elsewhere(
 
 
 def _in_common(x: np.ndarray) -> float:
-    """What to expect of another run: the mean, drawn to zero by as much as chance would make it.
+    """Estimates another run's value: the mean, drawn to zero by as much as chance would make it.
 
     The square of a mean is too large by the mean's variance, on average; what is left of it says
     how far the runs agree (an empirical Bayes factor by moments, zero at least).

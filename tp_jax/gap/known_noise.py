@@ -23,7 +23,7 @@ def choose_under_noise(
 
     Where the data alone do not say what colour the noise has, what the baseline leaves does, and
     some of that may be gap. What the causes leave says it better; then all is judged anew. Laws
-    beside causes, which take the longest, are asked for once the noise is known so.
+    in addition to causes, which take the longest, are asked for once the noise is known so.
 
     Args:
         setting, baseline, seed, progress: see `choose`.
@@ -46,7 +46,7 @@ def choose_under_noise(
 
 
 def alike(one: Setting, other: Setting, policy: NoisePolicy = POLICY.noise) -> bool:
-    """Whether a campaign has about the same noise in both."""
+    """True where a campaign has about the same noise in both."""
     ratio = np.abs(np.log(one.levels / other.levels))[one.fitted]
     if ratio.max() > policy.level:
         return False

@@ -1,4 +1,4 @@
-"""The curve of a learned law, as a diagnosis tells it: values, a band, where motion went."""
+"""The curve of a learned law, as a diagnosis reports it: values, a band, where motion went."""
 
 from typing import Any
 
@@ -16,10 +16,10 @@ from tp_jax.gap.short_formula import short_formula
 from tp_jax.gap.visited import visited
 
 POINTS = 101
-"""Of the curve: its polynomials turn twelve times."""
+"""Points of the curve: its polynomials turn twelve times."""
 
 BINS = 40
-"""Of the histogram of visited values."""
+"""Bins of the histogram of visited values."""
 
 
 def curve_of(setting: Setting, fit: Fit, variant: Variant) -> dict[str, Any]:

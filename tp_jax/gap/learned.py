@@ -5,9 +5,9 @@ that makes it smooth. All laws are screened from one linearisation, where their 
 that prior ranks them: a curve of twelve numbers always takes something, and evidence charges for
 what it could have taken. Where no formula leaves noise alone the best law is tried before a second
 formula is. Otherwise the best are refitted once formulas have done what they can: alone and, where
-none of them leaves noise alone, beside the causes that were found. They have to pass what a cause
-has to pass: a fall of the left-out sum of squares, a confirmation by recordings left out. A law
-alone that does better than the formulas replaces them: the nearest formula is not the cause.
+none of them leaves noise alone, in addition to the causes that were found. They have to pass what a
+cause has to pass: a fall of the left-out sum of squares, a confirmation by recordings left out. A
+law alone that does better than the formulas replaces them: the nearest formula is not the cause.
 """
 
 import dataclasses
@@ -37,7 +37,7 @@ Progress = Callable[[str, float | None], None]
 
 @dataclasses.dataclass(frozen=True)
 class _Trial:
-    """A law that was refitted: beside `base`, as `round` saw it; gain over `base`."""
+    """A law that was refitted: in addition to `base`, as `round` saw it; gain over `base`."""
 
     result: Refit
     base: Refit
@@ -112,7 +112,7 @@ def learn(
 
 
 def unexplained(setting: Setting, choice: Choice, policy: LearningPolicy = POLICY.learning) -> bool:
-    """Whether so much more than noise is left that a curve could be told from it."""
+    """True where so much more than noise is left that a curve could be told from it."""
     final = choice.final.fit
     if removable(final) < _worth_asking(final, policy):
         return False
@@ -126,7 +126,7 @@ def _with_law(
     first, last = choice.rounds[0], choice.rounds[-1]
     setting = with_supports(setting, first.searched)
     trials = _tried(setting, first, Refit(first.searched, ()), progress, known)
-    # one that leaves no more than chance needs no formula beside it
+    # one that leaves no more than chance needs no formula in addition to it
     if choice.final.ids and not any(_nothing_left(t.result.fit) for t in trials):
         beside = Refit(last.searched, choice.final.variants)
         trials += _tried(setting, last, beside, progress, known)
@@ -174,7 +174,7 @@ def _tried(
     setting: Setting, r: Round, base: Refit, progress: Progress, known: Refit | None,
     many: int = POLICY.learning.refitted, least: float = 0.0,
 ) -> list[_Trial]:  # fmt: skip
-    """The laws with the largest evidence, refitted beside what is in a model.
+    """The laws with the largest evidence, refitted in addition to what is in a model.
 
     Args:
         setting: with the laws' ranges. r: from which the laws are screened. base: what is in.
@@ -206,12 +206,12 @@ def _tried(
 
 
 def _nothing_left(fit: Fit) -> bool:
-    """Whether a fit leaves no more than chance leaves of noise."""
+    """True where a fit leaves no more than chance leaves of noise."""
     return removable(fit) < POLICY.learning.chance * np.sqrt(2.0 * fit.dof)
 
 
 def log_evidence(score: np.ndarray, V: np.ndarray, prior: np.ndarray) -> float:
-    """Of columns with Gaussian amplitudes against nothing: ½ s'(V + P)⁻¹ s − ½ log|1 + V P⁻¹|.
+    """Computes ½ s'(V + P)⁻¹ s − ½ log|1 + V P⁻¹|: columns with Gaussian amplitudes against none.
 
     Args:
         score, V: (q,), (q, q) efficient score and information, in units of the noise.
@@ -249,7 +249,7 @@ def _taken(
     sharp = sharper(setting, polished)
     r, beside = trial.round, trial.base.ids
     both = screen(r.before, setting, skip=beside, states=not beside, learned=True)
-    # p values of laws beside those of the catalogue; that of the round stays what it was
+    # p values of laws in addition to those of the catalogue; that of the round stays what it was
     told = structure_test(both, seed).by_variant
     r = dataclasses.replace(
         r,
@@ -260,11 +260,12 @@ def _taken(
         confirmations={**r.confirmations, law: answer},
         taken=law,
     )
-    # a law alone is what the first round should have found; one beside causes is a round more
+    # a law alone is what the first round should have found; one added to causes is a round more
     earlier = choice.rounds[:-1] if trial.base.ids else ()
     if _nothing_left(polished.fit):
-        # The whole catalogue beside a law is a program of its own, which takes minutes to compile,
-        # and what is left is chance by the test of the whole; the test without candidates follows.
+        # The whole catalogue in addition to a law is a program of its own, which takes minutes to
+        # compile, and what is left is chance by the test of the whole; the test without candidates
+        # follows.
         before, seen = polished.fit, both
         structure = Structure(1.0, np.ones(len(both.scored)), 0)
     else:

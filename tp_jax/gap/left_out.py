@@ -1,4 +1,4 @@
-"""What a model predicts of motions that it was not fitted to.
+"""Predictions of a model for motions that it was not fitted to.
 
 Groups of windows (whole recordings, or long spans where there are few) are left out in turn. The
 unknowns move to where a fit without the group would have them, and the group is predicted: in the

@@ -1,4 +1,4 @@
-"""Where the gap lies: shares of locations, and the component of the motion it goes with."""
+"""Place of the gap: shares of locations, and the component of the motion it goes with."""
 
 import dataclasses
 

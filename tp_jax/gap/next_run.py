@@ -1,4 +1,4 @@
-"""Which run to record next: the one that tells the first cause from its rivals best.
+"""Choice of the next run: the one that tells the first cause from its rivals best.
 
 Everything here is a pure function of plain numbers. The forecasts come from `tp_jax.gap.forecast`.
 The evidence of a run is additive, so that a run is worth the expected difference of the log
@@ -42,7 +42,7 @@ class Run:
 
 @dataclasses.dataclass(frozen=True)
 class Limits:
-    """What the rig and its owner allow.
+    """Limits that the rig and its owner set.
 
     Attributes:
         angle: largest predicted angle of column and rider [rad]; None: any.
@@ -58,7 +58,7 @@ class Limits:
 
 @dataclasses.dataclass(frozen=True)
 class Forecast:
-    """What a run is expected to do.
+    """Expected outcome of a run.
 
     Attributes:
         run: the run.
@@ -75,7 +75,7 @@ class Forecast:
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """What a diagnosis says about the next run.
+    """Finding of a diagnosis about the next run.
 
     Attributes:
         verdict: explained, no_gap or unknown.
@@ -110,7 +110,7 @@ class Stop:
 
 
 def finding_of(diagnosis: Mapping[str, Any], policy: ExplorePolicy = POLICY.explore) -> Finding:
-    """What diagnosis.json says of the first cause and its rivals, without forecasts.
+    """Reads from diagnosis.json the first cause and its rivals, without forecasts.
 
     An effect that these data cannot tell from the first (`confused_with`) is a rival however small
     its probability.
@@ -221,14 +221,14 @@ def next_run(
 
 
 def allowed(forecast: Forecast, limits: Limits, policy: ExplorePolicy = POLICY.explore) -> bool:
-    """Whether a run stays within the limits, as far as it can be predicted."""
+    """True where a run stays within the limits, as far as it can be predicted."""
     if forecast.largest is None or not _possible(forecast.run, limits):
         return False
     return limits.angle is None or forecast.largest <= policy.margin * limits.angle
 
 
 def _possible(run: Run, limits: Limits) -> bool:
-    """Whether a run of this kind can be made, whatever angle it reaches."""
+    """True where a run of this kind can be made, whatever angle it reaches."""
     if run.omega is None:
         return limits.releases
     low, high = limits.omega or (-np.inf, np.inf)
@@ -236,7 +236,7 @@ def _possible(run: Run, limits: Limits) -> bool:
 
 
 def _rounded_up(x: float) -> float:
-    """To two digits, so that the advice, followed, is enough."""
+    """Rounds up to two digits, so that the advice, followed, is enough."""
     unit = 10.0 ** (np.floor(np.log10(x)) - 1)
     return float(f"{np.ceil(x / unit - 1e-9) * unit:.2g}")
 
@@ -262,7 +262,7 @@ def _largest(forecast: Forecast) -> float:
 
 
 def _tells(forecast: Forecast, policy: ExplorePolicy) -> bool:
-    """Whether a run is expected to tell the first cause from any rival."""
+    """True where a run is expected to tell the first cause from any rival."""
     return _largest(forecast) >= policy.log_evidence
 
 
@@ -300,7 +300,7 @@ def _needed(
     finding: Finding, best: Forecast, limits: Limits, duration: float,
     policy: ExplorePolicy,
 ) -> str:  # fmt: skip
-    """That no allowed run tells the rivals apart, and what would."""
+    """Says that no allowed run tells the rivals apart, and what would."""
     names = " and ".join(["the model as it is" if r == NOTHING else r for r in finding.rivals])
     said = f"No run within the limits can tell {finding.first} from {names}"
     beyond = [

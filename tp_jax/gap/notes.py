@@ -1,4 +1,4 @@
-"""What a diagnosis says beside its numbers."""
+"""Notes of a diagnosis in addition to its numbers."""
 
 from collections.abc import Sequence
 
@@ -30,7 +30,7 @@ def notes(
     worse: Sequence[str] = (),
     doubts: Doubts | None = None,
 ) -> list[str]:
-    """What to know beside the numbers, a sentence or two each.
+    """Returns what to know in addition to the numbers, a sentence or two each.
 
     Args:
         setting, choice, final, word, structure_p_after, anything, least: what was found.
@@ -106,13 +106,13 @@ def notes(
 
 
 def unconfirmed(choice: Choice) -> dict[str, str]:
-    """Why recordings left out speak against an effect that fits better, a clause by its id."""
+    """Says why recordings left out speak against an effect that fits better, a clause by its id."""
     found = {id: c for r in choice.rounds for id, c in r.confirmations.items()}
     return {id: c.reason for id, c in found.items() if not c.confirmed}
 
 
 def why_no_cause(choice: Choice, worse: Sequence[str], doubts: Doubts) -> dict[str, str]:
-    """What keeps an effect that fits better from being a cause, a clause by its id.
+    """Says what keeps an effect that fits better from being a cause, a clause by its id.
 
     Args:
         choice: of causes. worse: those that predict held-out recordings worse. doubts: the others
@@ -126,7 +126,7 @@ def why_no_cause(choice: Choice, worse: Sequence[str], doubts: Doubts) -> dict[s
 
 
 def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
-    """Why the gap is said to lie where no cause is, if it is.
+    """Says why the gap is said to lie where no cause is, if it is.
 
     Args:
         where: shares of locations, largest first. final: the model with the causes.
@@ -141,7 +141,7 @@ def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
 
 
 def beyond_its_range(setting: Setting, final: Refit, held: Fit) -> list[str]:
-    """How much of the held-out recordings no learned curve can tell of.
+    """Says how much of the held-out recordings no learned curve can tell of.
 
     Args:
         setting: the campaign. final: the model with the causes. held: held-out windows under it.
@@ -159,7 +159,7 @@ def beyond_its_range(setting: Setting, final: Refit, held: Fit) -> list[str]:
 
 
 def held_out_instead(before: str, now: str) -> str:
-    """That another recording is held out than the one first chosen."""
+    """Says that another recording is held out than the one first chosen."""
     return (
         f"{now} is held out, not {before}: {before} goes further than all others, and a curve that "
         "was learned from those at first said nothing about it."
@@ -180,7 +180,7 @@ def _joined(numbers: Sequence[int]) -> str:
 
 
 def _likeness(anything: FreeStructure) -> list[str]:
-    """What the readings look like that no cause explains, where that can be said."""
+    """Says what the readings look like that no cause explains, where that can be said."""
     if anything.p >= POLICY.structure.left:
         return []
     where, *kind = anything.source.split()

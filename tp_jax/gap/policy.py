@@ -1,4 +1,4 @@
-"""What decides about causes: every threshold with its unit and its reason.
+"""Thresholds that decide about causes, each with its unit and its reason.
 
 Values without another source were chosen on development rigs (clean and rough ones that no trial
 scores) so that rigs without an effect raise no more alarms than the levels say.
@@ -9,7 +9,7 @@ import dataclasses
 
 @dataclasses.dataclass(frozen=True)
 class FoldPolicy:
-    """How recordings are put into groups that are left out together.
+    """Rules by which recordings are put into groups that are left out together.
 
     Attributes:
         groups: wanted at least; with as many recordings each is one, otherwise they are cut into
@@ -35,7 +35,7 @@ class FoldPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class ConfirmPolicy:
-    """When a cause is confirmed by the prediction of what was left out.
+    """Thresholds at which a cause is confirmed by the prediction of what was left out.
 
     Attributes:
         deviance, per_amplitude: fall of the left-out sum of squares, over the misfit of the better
@@ -59,7 +59,7 @@ class ConfirmPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class BackwardPolicy:
-    """When an accepted cause is taken out again, or another takes its place.
+    """Thresholds at which an accepted cause is taken out again, or another takes its place.
 
     Attributes:
         deviance, per_amplitude: rise of the sum of squares over the misfit without the cause, the
@@ -78,7 +78,7 @@ class BackwardPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class StructurePolicy:
-    """When readings deviate in a way that noise would not.
+    """Thresholds from which readings count as deviating in a way that noise would not.
 
     Attributes:
         level: of the three tests of structure together.
@@ -109,7 +109,7 @@ class StructurePolicy:
 
 @dataclasses.dataclass(frozen=True)
 class VerdictPolicy:
-    """When a gap counts as explained, and which causes are offered.
+    """Thresholds from which a gap counts as explained, and a cause is offered.
 
     Attributes:
         excess: standard errors by which something is beyond the noise.
@@ -131,7 +131,7 @@ class VerdictPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class NoisePolicy:
-    """When what a model leaves is asked for the noise.
+    """Thresholds at which what a model leaves is asked for the noise.
 
     Attributes:
         level: relative change of a standard deviation, and
@@ -141,8 +141,8 @@ class NoisePolicy:
             is nearly tied again.
         below: chi^2/dof of the baseline, under the noise that the data alone show, from which its
             residuals are not asked before causes are in: a rest so large is gap for the most part,
-            which would pass for very slow noise. Slow noise of nine tenths of the variance, beside
-            a tenth that the data show, is as large.
+            which would pass for very slow noise. Slow noise of nine tenths of the variance, in
+            addition to a tenth that the data show, is as large.
         drive: noise of a measured drive, of its amplitude, from which a note says what it does. The
             spring turns it into a torque, which moves a column of 10 rad/s, read 200 times a
             second, by a tenth of it in half a second.
@@ -157,7 +157,7 @@ class NoisePolicy:
 
 @dataclasses.dataclass(frozen=True)
 class HorizonPolicy:
-    """How long the windows are over which a choice is made.
+    """Lengths of the windows over which a choice is made.
 
     Attributes:
         below: chi^2/dof of a model with a cause from which windows are made longer: what is still
@@ -174,7 +174,7 @@ class HorizonPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class LearningPolicy:
-    """When a curve is asked for where no formula explains the gap.
+    """Thresholds at which a curve is asked for where no formula explains the gap.
 
     Attributes:
         refitted: laws that are refitted each time, those with the largest evidence; a refit of
@@ -202,7 +202,7 @@ class LearningPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class ExplorePolicy:
-    """Which run is recorded next, and when another one is not worth it.
+    """Rules for the run that is recorded next, and for when another one is not worth it.
 
     Attributes:
         probability: of the first cause from which it counts as known: odds of nineteen to one.
@@ -249,7 +249,7 @@ class ExplorePolicy:
 
 @dataclasses.dataclass(frozen=True)
 class SharedPolicy:
-    """When an effect counts as shared by the rigs of a fleet.
+    """Thresholds at which an effect counts as shared by the rigs of a fleet.
 
     Attributes:
         level: probability of naming any effect of the catalogue where no rig has one. A fifth of

@@ -29,7 +29,7 @@ def predict(
     rate: float | None = None,
     model: str | None = None,
 ) -> Trajectory:
-    """What the sensors would read on a run, before or after the causes are added.
+    """Predicts the sensors' readings on a run, before or after the causes are added.
 
     Exactly one of `omega`, `phi1` and `recording` says which run.
 

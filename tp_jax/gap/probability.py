@@ -36,7 +36,7 @@ from tp_jax.gap.policy import POLICY, FoldPolicy
 
 @dataclasses.dataclass(frozen=True)
 class Densities:
-    """What hypotheses say of groups.
+    """Densities of groups under hypotheses.
 
     Attributes:
         log: (h, G) log likelihoods, up to a constant of each group.
@@ -67,12 +67,12 @@ def cause_probabilities(
     for r in choice.rounds:
         found = _of_round(r, setting, misfit, policy)
         for id, p in found.items():
-            # an effect may have stood in for a cause, or come beside it
+            # an effect may have stood in for a cause, or come in addition to it
             out[id] = min(out.get(id, 0.0) + taken * p, 1.0)
         if r.taken is not None:
             out[r.taken] = found.get(r.taken, 0.0)
             taken *= out[r.taken]
-    # beside other causes an effect may look better, or worse, than it did alone
+    # together with other causes an effect may look better, or worse, than it did alone
     for cause in choice.causes:
         odds = {t.rival: _odds(t, setting, policy) for t in choice.tested if t.cause == cause}
         if odds:
@@ -82,10 +82,10 @@ def cause_probabilities(
 
 
 def _odds(t: Tested, setting: Setting, policy: FoldPolicy) -> float:
-    """Of the model that was not kept to the one that was.
+    """Computes the odds of the model that was not kept to the one that was.
 
-    Even where that one fits better and predicts what was left out no better: fit and prediction
-    then say different things, and neither decides.
+    Even odds where the former fits better and predicts what was left out no better: fit and
+    prediction then say different things, and neither decides.
     """
     if t.fits_better:
         return 1.0
@@ -110,7 +110,7 @@ def _density(fit: Fit, group: np.ndarray, scale: float) -> np.ndarray:
 
 
 def _charge(fit: Fit) -> float:
-    """For each unknown (Schwarz, 1978, Annals of Statistics 6, 461-464)."""
+    """Charge for each unknown (Schwarz, 1978, Annals of Statistics 6, 461-464)."""
     return 0.5 * float(np.log(max(fit.dof, 2)))
 
 

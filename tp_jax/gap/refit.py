@@ -280,7 +280,7 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
 
 
 def _falls_inwards(there: Fit, held: Collection[str]) -> bool:
-    """Whether the sum of squares falls as a number grows that was held, the others following."""
+    """True where the sum of squares falls as a number that was held grows, the others following."""
     g, H = there.eliminated.g.sum(axis=0), there.eliminated.H.sum(axis=0)
     mine = np.array([u.name in held for u in there.unknowns])
     follow = pseudo_inverse(H[np.ix_(~mine, ~mine)]) @ g[~mine]

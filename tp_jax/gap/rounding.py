@@ -22,7 +22,7 @@ LEAST_NOISE = 0.05  # steps: of a sensor whose noise rounding hides altogether
 
 @dataclasses.dataclass(frozen=True)
 class Rounding:
-    """What draws scores of readings that are rounded.
+    """Source of drawn scores of readings that are rounded.
 
     Attributes:
         problem: of the fit.
@@ -82,7 +82,7 @@ def rounding(
     fit: Fit, setting: Setting, jac: np.ndarray, gain: np.ndarray, follow: np.ndarray,
     block: np.ndarray,
 ) -> Rounding | None:  # fmt: skip
-    """What draws the scores of a fit's readings; None where noise hides all their steps.
+    """Makes what draws the scores of a fit's readings; None where noise hides all their steps.
 
     Args:
         fit: to the campaign. setting: the campaign.

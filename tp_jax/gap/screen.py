@@ -217,7 +217,7 @@ def _limits(fit: Fit, variant: Variant) -> np.ndarray:
 
 
 def prior_information(fit: Fit, variant: Variant) -> np.ndarray:
-    """What is known (q, q) of a law's coefficients before any data: that it is smooth.
+    """Returns what is known (q, q) of a law's coefficients before any data: that it is smooth.
 
     Zero for an effect of the catalogue, whose amplitudes the data alone decide here.
     """

@@ -1,4 +1,4 @@
-"""What a report draws: curves and residuals of the held-out recordings, thinned."""
+"""Curves and residuals of the held-out recordings, thinned, for a report to draw."""
 
 from typing import Any
 

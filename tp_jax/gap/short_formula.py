@@ -5,14 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 FLOOR = 0.02
-"""Of the curve's range: a band is taken to be no narrower, since polynomials of degree twelve
+"""Part of the curve's range: a band is taken to be no narrower, since polynomials of degree twelve
 follow a kink no better: within a hundredth on average, a twentieth where it is."""
 
 OUTSIDE = 0.05
-"""Of the points of the curve that may lie outside the band, which holds 95 % of them."""
+"""Part of the points of the curve that may lie outside the band, which holds 95 % of them."""
 
 TURNS = range(1, 9)
-"""Of waves over an angle."""
+"""Numbers of waves over an angle."""
 
 
 def short_formula(
@@ -57,7 +57,7 @@ def _formulas(x: np.ndarray, s: str, sided: bool) -> Iterator[tuple[list, list[s
 
 
 def _written(numbers: np.ndarray, texts: list[str]) -> str:
-    """As "0.21 cos 3 φ1 − 0.04 sin 3 φ1"."""
+    """Writes a formula as "0.21 cos 3 φ1 − 0.04 sin 3 φ1"."""
     out = ""
     for value, text in zip(numbers.tolist(), texts, strict=True):
         sign = "−" if value < 0.0 else "+"

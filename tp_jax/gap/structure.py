@@ -99,7 +99,7 @@ def roots(V: np.ndarray) -> np.ndarray:
 
 
 class _Form:
-    """What is needed of an effect's information by block (B, q, q)."""
+    """Parts of an effect's information by block (B, q, q) that are needed."""
 
     def __init__(self, V: np.ndarray):
         self.inverse = pseudo_inverse(V.sum(axis=0))
@@ -116,7 +116,7 @@ class _Form:
 
 
 class _Forms:
-    """Those of all variants; those with as many amplitudes are taken together.
+    """Forms of all variants; those with as many amplitudes are taken together.
 
     alike: by number of amplitudes, which variants (v,), their columns (v, q) and inverses
     (v, q, q), and what whitens their blocks (B, v, q, q); rank, count: (variants, 1).

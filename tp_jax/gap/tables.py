@@ -79,7 +79,7 @@ def causes(
 
 
 def _curve(setting: Setting, final: Refit, v: Variant) -> dict[str, Any]:
-    """What a learned cause has beside the others: its curve, and a short formula for it."""
+    """Returns what a learned cause has in addition: its curve, and a short formula for it."""
     found = curve_of(setting, final.fit, v)
     return {"formula": found.pop("formula"), "curve": found}
 
@@ -158,7 +158,7 @@ def candidates(
 
 
 def detectable(choice: Choice) -> dict[str, dict | None]:
-    """From the last screen, whose residuals are nearest to the noise."""
+    """Computes detectable sizes from the last screen, whose residuals are nearest to the noise."""
     last, first = choice.rounds[-1], choice.rounds[0]
     out: dict[str, dict | None] = {}
     formulas = [s for s in first.screen.best() if not isinstance(s.variant.effect, Law)]
@@ -212,5 +212,5 @@ def next_experiment(setting: Setting, choice: Choice, no_gap: bool) -> dict | No
 
 
 def _by_recording(scored: Scored) -> bool:
-    """Whether its amplitudes belong to recordings, so that one more run says nothing of them."""
+    """True where its amplitudes belong to recordings, so that one more run says nothing of them."""
     return any(u.recording is not None for u in scored.variant.unknowns)

@@ -1,4 +1,4 @@
-"""How much of what is left each of several sources explains: restricted maximum likelihood.
+"""Shares of several sources in what is left unexplained: restricted maximum likelihood.
 
 The coefficients of a source (`free_torques`) are random, independent from window to window, with
 one variance for all of them; what is shared by all windows is fixed and unknown. Sources compete:

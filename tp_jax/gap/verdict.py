@@ -9,7 +9,7 @@ from tp_jax.gap.policy import POLICY, Policy, StructurePolicy
 
 @dataclasses.dataclass(frozen=True)
 class Evidence:
-    """What a verdict rests on.
+    """Evidence that a verdict rests on.
 
     Attributes:
         structure_p: family-wise p of the tests of structure at the baseline (`combined`).

@@ -14,10 +14,10 @@ from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
 
 MARGIN = 0.02
-"""Of the visited range, on either side: a run that is predicted may go a little further."""
+"""Part of the visited range, on either side: a run that is predicted may go a little further."""
 
 LEAST_RANGE = 1e-6
-"""In the argument's unit; over less there is no curve."""
+"""Least range in the argument's unit; over less there is no curve."""
 
 
 def visited(setting: Setting, fit: Fit) -> dict[str, np.ndarray]:

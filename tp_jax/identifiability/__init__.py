@@ -1,4 +1,4 @@
-"""Which parameters can be known: from any data of this kind, and from these.
+"""Identifiability of parameters: from any data of this kind, and from these.
 
 design                               an experiment: drive, start, times
 log_derivatives, rank                the sensitivity matrix; structural identifiability

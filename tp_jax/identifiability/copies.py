@@ -31,7 +31,7 @@ LARGEST_LOG_STEP = 1.0
 
 @dataclasses.dataclass(frozen=True)
 class Start:
-    """Where a copy begins: its numbers, its window states (w, 4), which unknowns are free (u,)."""
+    """Start of a copy: its numbers, its window states (w, 4), which unknowns are free (u,)."""
 
     values: Values
     states: np.ndarray
@@ -40,7 +40,7 @@ class Start:
 
 @dataclasses.dataclass(frozen=True)
 class Fitted:
-    """Where a copy ended: numbers, window states (w, 4), sum of squares with priors, its own
+    """End of a copy: numbers, window states (w, 4), sum of squares with priors, its own
     information matrix (u, u) in estimation coordinates, and whether it converged."""
 
     values: Values

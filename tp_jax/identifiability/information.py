@@ -1,4 +1,4 @@
-"""What a fit knows: information matrix, correlations, combinations that stay unknown.
+"""Information of a fit: its matrix, correlations, combinations that stay unknown.
 
 The information is that of the linearised residuals in windows, their states eliminated
 (`tp_jax.estimation.elimination`); its inverse bounds the covariance of any unbiased estimate

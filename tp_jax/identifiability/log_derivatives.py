@@ -1,4 +1,4 @@
-"""How a motion follows relative changes of its numbers: one column of derivatives each."""
+"""Derivatives of a motion by relative changes of its numbers: one column each."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

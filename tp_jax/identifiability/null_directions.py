@@ -41,7 +41,7 @@ class Direction:
 
     @property
     def text(self) -> str:
-        """In words."""
+        """Describes the direction in words."""
         c = self.coefficients
         names = list(c)
         if len(names) == 1:
@@ -54,7 +54,7 @@ class Direction:
         return f"{', '.join(parts)} of one factor"
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers."""
+        """Returns the direction as plain numbers."""
         return {
             "parameters": {n: float(x) for n, x in self.coefficients.items()},
             "kind": self.kind,

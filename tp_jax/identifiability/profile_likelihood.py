@@ -42,7 +42,7 @@ BETTER = 0.5
 
 DOUBTFUL = (1.5, 0.5)
 """A fit along a profile is doubted where it rises by more than so many times what a parabola would
-and by more than so much beside: with sharp friction it may have ended in a kink."""
+and by more than so much in addition: with sharp friction it may have ended in a kink."""
 
 FARTHEST = 3.0
 """A next value lies at most this many times as far from the best as the last."""
@@ -75,11 +75,11 @@ class Profile:
 
     @property
     def identifiable(self) -> bool:
-        """Whether both ends are closed: practical identifiability after Raue et al."""
+        """True where both ends are closed: practical identifiability after Raue et al."""
         return None not in self.ci95
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers."""
+        """Returns the profile as plain numbers."""
         return {
             "value": self.best,
             "unit": self.unit,
@@ -170,7 +170,7 @@ def _x(found: Fitted, unknowns: Sequence[Unknown], i: int) -> float:
 
 
 class _Search:
-    """What all ends share: the problem, the best fit, how a profile's fits are begun."""
+    """Search that all ends share: the problem, the best fit, how a profile's fits are begun."""
 
     def __init__(self, fit: Fit, setting: Setting, anchors: Sequence[Anchor]):
         # an error of the integration that no search would mind is a good part of a drop
@@ -284,14 +284,14 @@ class _Search:
         return self._fit(ended) if ended else []
 
     def _doubted(self, end: _End, found: Fitted) -> bool:
-        """Whether a fit is much worse than a parabola says."""
+        """True where a fit is much worse than a parabola says."""
         spread = np.sqrt(max(inverse(self.best.information)[end.index, end.index], 0.0))
         away = (end.trial - self.coordinate(self.best, end.index)) / max(spread, 1e-300)
         times, more = DOUBTFUL
         return not found.cost - self.best.cost <= times * away**2 + more
 
     def judge(self, end: _End, found: Fitted, level: float) -> None:
-        """Whether the end is found, or where to look next."""
+        """Decides whether the end is found, or where to look next."""
         root = float(np.sqrt(max(found.cost - self.best.cost, 0.0) / level))
         if not np.isfinite(root):  # could not be integrated so far out
             root = FARTHEST

@@ -30,7 +30,7 @@ Progress = Callable[[str, float | None], None]
 
 
 class Rank(NamedTuple):
-    """What `rank` returns.
+    """Result of `rank`.
 
     names: (P,) parameters, coordinates are their logarithms; designs: labels; points: (J, P)
     values [SI units]; singular_values: (J, P) of the sensitivity matrix [1 per unit of

@@ -59,7 +59,7 @@ def dahl_along(
 
 @jax.jit
 def play_along(x: Float[Array, " n"], half: Float[Array, ""] | float) -> Float[Array, " n"]:
-    """Where a path goes beyond its noise: the play operator [rad], mid-gap at first.
+    """Returns where a path goes beyond its noise: the play operator [rad], mid-gap at first.
 
     A body at rest whose angle is measured seems to wander, and a Dahl state taken along that would
     forget. Taken along the play of twice the angle's standard error it does not; where the body

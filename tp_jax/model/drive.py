@@ -28,7 +28,7 @@ class AbstractDrive(eqx.Module):
         """Angle f_e of the spring's far end [rad]."""
 
     def later(self, t: Float[AnyArray, "..."], a: Float[Array, "..."]) -> Float[AnyArray, "..."]:
-        """What the angle gains [rad] if a measured drive is read `a` seconds later.
+        """Returns what the angle gains [rad] if a measured drive is read `a` seconds later.
 
         A sine is commanded, not read: it gains nothing.
         """
@@ -115,7 +115,7 @@ class PiecewiseCubicDrive(AbstractDrive):
 
 
 class LanewiseDrive(AbstractDrive):
-    """What the batch engine uses: a sine and one cubic piece, side by side, for every lane.
+    """Drive of the batch engine: a sine and one cubic piece, side by side, for every lane.
 
     A commanded lane has gain and offset 0, a measured one A = 0; so both kinds are data of the
     same program. Fields as in `SineDrive` and `PiecewiseCubicDrive`; `piece` is (4, ...), `left`

@@ -1,4 +1,4 @@
-"""What an effect may look at: the motion and the torques of one instant."""
+"""Quantities that an effect may look at: the motion and the torques of one instant."""
 
 from typing import Any
 

@@ -37,7 +37,7 @@ NEWTON_REACTION = 1.0
 
 
 class AbstractTorsionPendulum(eqx.Module):
-    """What both pendulums share: drive, spring, bearing, sensors, inertia of the column."""
+    """Common parts of both pendulums: drive, spring, bearing, sensors, inertia of the column."""
 
     drive: eqx.AbstractVar[AbstractDrive]
     spring: eqx.AbstractVar[LinearSpring]
@@ -136,7 +136,7 @@ class AbstractTorsionPendulum(eqx.Module):
         return jnp.stack(self.derivative(t, tuple(y)))
 
     def readings(self, t: AnyArray | float, y: tuple) -> tuple[Array, Array]:
-        """What the two sensors report [rad] in state `y` at recorded time `t`."""
+        """Returns the readings of the two sensors [rad] in state `y` at recorded time `t`."""
         m = self.motion(t, y)
         y1 = m.phi1 + self.sensors.zero1 + self._sum("sensor1", m)
         y2 = m.phi2 + self.sensors.zero2 + self._sum("sensor2", m)

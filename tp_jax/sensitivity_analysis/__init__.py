@@ -1,4 +1,4 @@
-"""Which parameters matter, and when.
+"""Sensitivity to parameters: which of them matter, and when.
 
 ranges, outputs                      values to look at; motions there, from the batch engine
 local, sobol, morris                 the three kinds of sensitivity, each through time

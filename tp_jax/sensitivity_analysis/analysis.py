@@ -36,7 +36,7 @@ Progress = Callable[[str, float | None], None]
 
 @dataclasses.dataclass(frozen=True)
 class SensitivityAnalysis:
-    """What `sensitivity` found; `to_dict` is the result as plain numbers.
+    """Result of `sensitivity`; `to_dict` gives it as plain numbers.
 
     result: schema tp-jax/sensitivity/1; fit: the point at which it was taken; profiles: likelihood
     profiles of the parameters for which they were asked for.
@@ -188,7 +188,7 @@ def _profiles(
 
 
 def _names(designs: Sequence[Design]) -> tuple[str, ...]:
-    """What any of the experiments may depend on, in the order of Listing 1."""
+    """Returns the names that any of the experiments may depend on, in the order of Listing 1."""
     there = {n for d in designs for n in d.unknowns}
     return tuple(n for n in (*UNKNOWNS, "gain") if n in there)
 
@@ -203,7 +203,7 @@ def _size(name: str, values: Mapping[str, float], setting: Setting) -> float:
 
 
 def _given(setting: Setting, fix: Mapping[str, float]) -> dict[str, str]:
-    """What is held, and why; B1 = 1 for want of a better number is not given."""
+    """Says what is held, and why; B1 = 1 for want of a better number is not given."""
     given = {n: f"{n} is given" for n in setting.fixed}
     if setting.campaign.B1 is None and "B1" not in fix:
         del given["B1"]

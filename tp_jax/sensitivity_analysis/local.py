@@ -1,4 +1,4 @@
-"""Which parameter matters when: derivatives of the angles along a run, over the noise."""
+"""Sensitivity through time: derivatives of the angles along a run, over the noise."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

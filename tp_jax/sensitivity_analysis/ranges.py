@@ -1,4 +1,4 @@
-"""Over which values of the parameters a global analysis looks."""
+"""Ranges of the parameters over which a global analysis looks."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence

@@ -122,7 +122,7 @@ def _columns(names: Sequence[str], table: np.ndarray) -> dict[str, list]:
 
 
 def _rounded(values: np.ndarray) -> list:
-    """To six digits: more would be the solver's, and twice the file."""
+    """Rounds to six digits: more would be the solver's, and twice the file."""
     values = np.asarray(values, float)
     if values.ndim > 1:
         return [_rounded(row) for row in values]

@@ -25,7 +25,7 @@ class Batch(NamedTuple):
 
 
 def is_many(parts: Parts, y0: AnyArray | None) -> bool:
-    """Whether there is an axis of members in a pendulum's numbers or its starts."""
+    """True where a pendulum's numbers or its starts have an axis of members."""
     return any(np.ndim(v) for v in parts.values) or (y0 is not None and np.ndim(y0) == 2)
 
 

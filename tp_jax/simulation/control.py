@@ -27,7 +27,7 @@ from tp_jax.model.friction import smooth_sign
 
 
 class Control(NamedTuple):
-    """What bounds a step; numbers or arrays (L,), so that changing them compiles nothing.
+    """Bounds of a step; numbers or arrays (L,), so that changing them compiles nothing.
 
     angle: error of an angle in a step [rad]. velocity: error of a velocity, in parts of
     `angle` times the natural frequency. friction: greatest deviation of the smoothed sign from
@@ -51,7 +51,7 @@ class Control(NamedTuple):
 
 
 class Layers(NamedTuple):
-    """What the layers of the two bodies do, as far as it is known.
+    """Behaviour of the layers of the two bodies, as far as it is known.
 
     jumps: by how much a sign changes the accelerations [rad/s²]. harmless: longest step [s] that
     may jump over a layer, 0 where the body may come to rest. weight: error of a velocity that a
@@ -64,7 +64,7 @@ class Layers(NamedTuple):
 
 
 def layers(f: list[Array], jumps: tuple[Array, Array], natural: Array, c: Control) -> Layers:
-    """Which layers may be jumped over.
+    """Says which layers may be jumped over.
 
     Args:
         f: derivatives of the state.

@@ -1,4 +1,4 @@
-"""Which results of a function depend on which of its arguments.
+"""Dependence of the results of a function on its arguments, by structure.
 
 A derivative that is zero by structure should cost nothing. JAX drops it while it differentiates
 one function, but a Jacobian put together column by column no longer knows.

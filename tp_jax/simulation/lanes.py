@@ -36,7 +36,7 @@ class Tolerances(NamedTuple):
 
 
 class Lanes(NamedTuple):
-    """What the engine integrates.
+    """Windows in lanes, as the engine integrates them.
 
     A lane takes several windows one after the other, so that all lanes are busy whatever the
     windows' length: at a sample marked as a start the state is set anew, not integrated.
@@ -69,7 +69,7 @@ class Integrated(NamedTuple):
 
 
 class _State(NamedTuple):
-    """What the inner loop carries; lists of components (L,), tangents (D, L)."""
+    """State that the inner loop carries; lists of components (L,), tangents (D, L)."""
 
     t: Array
     k: Array  # next sample

@@ -161,7 +161,7 @@ def _having_read(x: Array, never: Bool[Array, ""]) -> Array:
 
 
 def marked() -> bool:
-    """Whether there are marks: on a CPU, unless loops are to be left alone (`_config`)."""
+    """True where there are marks: on a CPU, unless loops are to be left alone (`_config`)."""
     return jax.default_backend() == "cpu" and not loops_left_alone()
 
 

@@ -16,7 +16,7 @@ from tp_jax.simulation.runs import SMALLEST, natural_frequency, sign_jumps
 
 
 class ControllerState(NamedTuple):
-    """Where the next step begins, quantities of shape ().
+    """State of the controller where the next step begins, quantities of shape ().
 
     f: derivatives of the state; natural: frequency [rad/s]; jumps: see `control.layers`.
     """
@@ -45,7 +45,7 @@ class ReversalController(diffrax.AbstractStepSizeController):
         self, model: AbstractTorsionPendulum, tolerance: Array | float = 1e-8,
         control: Control = Control(), direction: Array | int = 1,  # noqa: B008
     ):  # fmt: skip
-        """For the motions of one pendulum.
+        """Makes a controller for the motions of one pendulum.
 
         Args:
             model: the pendulum.
@@ -75,7 +75,7 @@ class ReversalController(diffrax.AbstractStepSizeController):
         self, t0, t1, y0, y1_candidate, args, y_error, error_order,  # noqa: ARG002
         controller_state,
     ):  # fmt: skip
-        """Whether a step is kept, and the next; see `diffrax.AbstractStepSizeController`."""
+        """Says whether a step is kept, and the next; see `diffrax.AbstractStepSizeController`."""
         t0, t1, y, end, error, state = jax.lax.stop_gradient(
             (t0, t1, components(y0), components(y1_candidate), components(y_error),
              controller_state)

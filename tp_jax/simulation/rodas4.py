@@ -129,7 +129,7 @@ def _field(terms, t0, t1, like: Any, args: Any) -> Callable[..., tuple]:
 
 
 def pendular(n: int) -> Structure:
-    """What may depend on what in a pendulum of n states: all, but angles on velocities only."""
+    """Lets all in a pendulum of n states depend on all, but angles on velocities only."""
     by_state = np.ones((n, n), bool)
     by_state[:2] = False
     by_state[0, 2] = by_state[1, 3] = True

@@ -54,7 +54,7 @@ class Ran(NamedTuple):
 
 
 class _Lanes(NamedTuple):
-    """What the inner loop carries; lists of components (L,), tangents (D, L)."""
+    """State that the inner loop carries; lists of components (L,), tangents (D, L)."""
 
     t: Array
     k: Array  # next sample; n where the run is complete, n + 1 where it was given up
@@ -98,7 +98,7 @@ def integrate(
             derivatives at all. Data, not structure.
         width: number of lanes; static.
         per_step: most samples that a step may cross; static.
-        velocities: whether they are wanted beside the angles; static.
+        velocities: whether they are wanted in addition to the angles; static.
         tangent_velocities: whether their derivatives are; static.
         max_steps: a run that needs more attempts is given up.
         active: only the first so many runs; all if None. Data: an array may be longer than needed.
@@ -312,7 +312,7 @@ def attempt(
 
 
 def reached(x: Array, h: Array, t: Array) -> Array:
-    """Whether a step of size h from t comes to the sample x steps away, but for rounding."""
+    """True where a step of size h from t comes to the sample x steps away, but for rounding."""
     return x <= 1.0 + 1e-9 + 4e-16 * jnp.maximum(jnp.abs(t), h) / h
 
 
@@ -335,7 +335,7 @@ def natural_frequency(field: Field, t: Array, y: list[Array], q: tuple) -> Array
 def sign_jumps(
     field: Field, t: Array, y: list[Array], q: tuple, eps: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """By how much accelerations change with the sign of either velocity [rad/s²], at most.
+    """Computes the greatest change of accelerations with the sign of either velocity [rad/s²].
 
     It changes with the motion only where an effect's friction does, and then by some part of
     itself: good enough for the control of steps, of which a run's beginning decides once.

@@ -1,4 +1,4 @@
-"""How a motion depends on the numbers of its pendulum, and whether to trust the answer."""
+"""Derivatives of a motion by the numbers of its pendulum, and whether to trust them."""
 
 import functools
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ one, and take longer than a full vector."""
 
 
 class Sensitivities(NamedTuple):
-    """What `sensitivities` returns; of many pendulums every field but names and the times has an
+    """Result of `sensitivities`; of many pendulums every field but names and the times has an
     axis (N,) more, the first.
 
     motion: the run; names: (D,) what it is differentiated by, the initial state first; phi1,

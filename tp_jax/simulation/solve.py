@@ -32,7 +32,7 @@ WIDTH = 64
 
 
 class Trajectory(NamedTuple):
-    """What `simulate` returns; every field (n,), in a sweep (N, n) but for t.
+    """Result of `simulate`; every field (n,), in a sweep (N, n) but for t.
 
     t [s]; phi1, phi2 [rad], the rider's angle relative to the column; omega1, omega2 [rad/s].
     """
@@ -162,7 +162,7 @@ def checked(
 
 
 def samples_per_step(n: int) -> int:
-    """How many samples a step may cross: more where they are dense, and each costs a little."""
+    """Returns how many samples a step may cross: more where dense, and each costs a little."""
     return 2 if n <= 4000 else 4
 
 
@@ -195,9 +195,9 @@ def _own(parts: Parts, max_steps: int) -> Callable:
     """Runs (inputs, ts, tolerance) -> states (n, 4) by the package's own method.
 
     Alone by diffrax; many by the batch engine, which takes the same steps. That gives columns of
-    the Jacobian beside the motion too; a rule whose tangent is a product with it can be transposed,
-    which a loop of unknown length cannot. Inputs are an array, or numbers one by one: then only
-    those columns are made that are asked for.
+    the Jacobian in addition to the motion; a rule whose tangent is a product with it can be
+    transposed, which a loop of unknown length cannot. Inputs are an array, or numbers one by one:
+    then only those columns are made that are asked for.
     """
     from tp_jax.simulation.reversal_controller import ReversalController
     from tp_jax.simulation.rodas4 import Rodas4

@@ -23,7 +23,7 @@ Field = Callable[..., tuple]
 
 
 class Structure(NamedTuple):
-    """What depends on what: by_state (n, n), by_time (n,)."""
+    """Dependence of derivatives on state and time: by_state (n, n), by_time (n,)."""
 
     by_state: np.ndarray
     by_time: np.ndarray
@@ -119,7 +119,7 @@ def advance(
 def after(
     t: AnyArray, y: list[Array], p: tuple, restart: Restart | None
 ) -> tuple[AnyArray, tuple, tuple]:
-    """Where a step has come to, or where its lane goes on instead."""
+    """Returns the point that a step has come to, or from which its lane goes on instead."""
     if restart is None:
         return t, tuple(y), p
     choose = lambda a, b: b if a is b else jnp.where(restart.where, a, b)  # noqa: E731

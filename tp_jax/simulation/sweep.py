@@ -19,7 +19,7 @@ from tp_jax.simulation.solve import WIDTH, checked, samples_per_step
 
 
 class Sweep(NamedTuple):
-    """What `sweep` returns.
+    """Result of `sweep`.
 
     t: (n,) s; phi1, phi2: (N, n) rad; omega1, omega2: (N, n) rad/s, None unless asked for; steps:
     (N,) attempted; complete: (N,) False where a run was given up, and infinite from there on.

@@ -26,11 +26,11 @@ from tp_jax.simulation.step import Field, Restart, Structure, after, combine, ja
 from tp_jax.simulation.tableau import StageForm
 
 FEW = 2
-"""As many parameters for each direction are all differentiated by, and those asked for taken."""
+"""Parameters per direction up to which all are differentiated by, and those asked for taken."""
 
 
 class Curvature(NamedTuple):
-    """Which entries of the Jacobian depend on what.
+    """Dependence of the entries of the Jacobian on state and parameters.
 
     entries: places (i, j) of the Jacobian that are not zero; by_state (entries, n) and
     by_parameter (entries, P); field_by_parameter (n, P).

@@ -11,7 +11,7 @@ from tp_jax.gap.structure import dispersions, scores_of_noise
 
 
 def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigScores:
-    """What the screen says of effects whose amplitudes are the same in all recordings.
+    """Returns the screen's scores of effects whose amplitudes are the same in all recordings.
 
     Effects with amplitudes of each recording are left out: what is one recording's is no rig's. So
     are learned laws, whose range is that of the rig's recordings. If the diagnosis names such an
@@ -59,6 +59,6 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
 
 
 def _rigs_alone(scored: Scored) -> bool:
-    """Whether an effect's amplitudes can be no other rig's."""
+    """True where an effect's amplitudes can be no other rig's."""
     by_recording = any(unknown.recording is not None for unknown in scored.variant.unknowns)
     return by_recording or isinstance(scored.variant.effect, Law)

@@ -24,7 +24,7 @@ NORMAL = 1.96
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """What one rig says of an effect and of the kind's others together.
+    """Score and information of one rig for an effect and the kind's others together.
 
     Attributes:
         rig: its place in the fleet.
@@ -77,7 +77,7 @@ class Pooled:
 
 @dataclasses.dataclass(frozen=True)
 class Agreement:
-    """Whether the rigs agree on the amplitudes.
+    """Agreement of the rigs on the amplitudes.
 
     Attributes:
         q, dof, p: Cochran's Q: sum of squares of the rigs' scores once the pooled amplitudes are
@@ -105,7 +105,8 @@ def pool(
         rigs: of the fleet.
         key: the effect and its shape constants.
         kinds: effects of the kind's that are projected out with one set of amplitudes for all.
-        owns: effects that are projected out with amplitudes of each rig, beside its own causes.
+        owns: effects that are projected out with amplitudes of each rig, in addition to its
+            own causes.
         without: a rig that is left out.
     """
     sizes = {each: _size(rigs, each) for each in (key, *kinds)}
@@ -118,7 +119,7 @@ def pool(
 
 
 def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence[Key]) -> Part:
-    """What a rig says of some effects; those of its own are projected out.
+    """Returns what a rig says of some effects; those of its own are projected out.
 
     An effect that is asked for is not projected out, even if the rig's own diagnosis names it, nor
     is a cause of its own that resembles it on this rig (`SharedPolicy.alike`). Of an effect that
@@ -128,7 +129,7 @@ def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence
         rig: its scores. place: of the rig in the fleet.
         sizes: effects that are asked for, with their numbers of amplitudes; the rig has one at
             least.
-        owns: effects that are projected out beside the rig's own causes.
+        owns: effects that are projected out in addition to the rig's own causes.
     """
     known = rig.by_key
     n = len(rig.score)
@@ -154,7 +155,7 @@ def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence
 
 
 def _alike(rig: RigScores, one: ScoredVariant, own: ScoredVariant | None) -> bool:
-    """Whether a rig's own cause may be the effect under another name."""
+    """True where a rig's own cause may be the effect under another name."""
     if own is None:
         return False
     a, b, V = one.columns, own.columns, rig.information
@@ -184,7 +185,7 @@ def _limits(rigs: Sequence[RigScores], key: Key) -> np.ndarray:
 
 
 def agreement(pooled: Pooled) -> Agreement:
-    """Whether the rigs agree on a pooled effect's amplitudes, those of the kind's others held."""
+    """Tests whether the rigs agree on a pooled effect's amplitudes, with the kind's others held."""
     q, a = len(pooled.score), pooled.estimate
     total, dof = 0.0, -np.linalg.matrix_rank(pseudo_inverse(pooled.information), hermitian=True)
     factors, weights, alone = [], [], []

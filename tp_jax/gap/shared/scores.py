@@ -1,4 +1,4 @@
-"""What one rig's screen says of every effect, and the file that keeps it beside the diagnosis.
+"""Scores of every effect by one rig's screen, and the file that keeps them beside the diagnosis.
 
 Efficient scores and information, as `tp_jax.gap.screen` has them: the rig's own parameters and the
 states of its windows are projected out, so those of several rigs add up.
@@ -17,7 +17,7 @@ import numpy as np
 from tp_jax._files import bytes_of, replaced
 
 FORM = 1
-"""Of the files; those of another form count as absent."""
+"""Form of the files; those of another form count as absent."""
 
 Key = tuple[str, tuple[tuple[str, float], ...]]
 """An effect at one set of shape constants: the same on all rigs."""

@@ -1,4 +1,4 @@
-"""Which effects the rigs of a fleet share, one by one, and which are some rigs' own.
+"""Effects that the rigs of a fleet share, one by one, and those that are some rigs' own.
 
 The effect with the largest reduction over all rigs is named if noise alone seldom gives as much to
 any effect of the catalogue. Its amplitudes are then projected out and all is asked again. An effect
@@ -70,7 +70,7 @@ class Shared:
 def shared_effects(
     rigs: Sequence[RigScores], seed: int = 0, policy: SharedPolicy = POLICY.shared
 ) -> Shared:
-    """Which effects the rigs of a fleet share, and which are some rigs' own.
+    """Finds which effects the rigs of a fleet share, and which are some rigs' own.
 
     Args:
         rigs: their scores.

@@ -1,4 +1,4 @@
-"""What a fleet's rigs share, in plain numbers, as fleet.json has it under "shared"."""
+"""Effects that a fleet's rigs share, in plain numbers, as fleet.json has them under "shared"."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -49,7 +49,7 @@ def shared_table(
 
 
 def too_few(count: int, policy: SharedPolicy = POLICY.shared) -> str:
-    """Why nothing is asked of so many rigs."""
+    """Says why nothing is asked of so many rigs."""
     there = {0: "none was", 1: "one was"}.get(count, f"{count} were")
     return (
         f"Effects that rigs share need at least {policy.rigs} rigs that could be diagnosed, and "
