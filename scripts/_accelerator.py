@@ -1,4 +1,4 @@
-"""What scripts/accelerator runs: sweeps of many sizes on the device that JAX finds."""
+"""Program of scripts/accelerator: sweeps of many sizes on the device that JAX finds."""
 
 import os
 import sys

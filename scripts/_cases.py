@@ -1,4 +1,4 @@
-"""What scripts/cases runs: diagnoses campaigns and prints one Markdown table of the results."""
+"""Program of scripts/cases: diagnoses campaigns and prints one Markdown table of the results."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""What scripts/deleted runs: rigs whose effect no catalogue has, since it is left out."""
+"""Program of scripts/deleted: rigs whose effect no catalogue has, since it is left out."""
 
 import dataclasses
 import os
@@ -19,7 +19,7 @@ from tp_jax.cli.arguments import Parser, count
 ROOT = Path(__file__).parent.parent
 LEDGER = ROOT / "trials" / "deleted.jsonl"
 FOLDER = ROOT / ".cache" / "deleted"
-"""Of the rigs in hand; each goes when its line is written."""
+"""Folder of the rigs in hand; each goes when its line is written."""
 
 FAMILY = {
     "bearing_drag": "bearing_dry.v1", "bearing_load": "bearing_dry.load",
@@ -70,7 +70,7 @@ class Row:
 
     @property
     def right(self) -> bool:
-        """Whether the first cause is the hidden law, or a formula of its place and argument."""
+        """True if the first cause is the hidden law, or a formula of its place and argument."""
         first = self.causes[0] if self.causes else ""
         return FAMILY.get(first, first) == FAMILY[self.effect]
 

@@ -1,4 +1,4 @@
-"""What scripts/executors runs: one study through all executors, with and without killed workers."""
+"""Program of scripts/executors: one study by all executors, with and without killed workers."""
 
 import argparse
 import dataclasses
@@ -27,7 +27,7 @@ KINDS = ("local", "ray", "dask")
 """Slurm's jobs are tried by a test, with submitit's own executor in the place of a cluster."""
 
 RUNS = 40
-"""Of a piece: a second or two of one processor."""
+"""Runs of a piece: a second or two of one processor."""
 
 SEED = 40
 
@@ -73,7 +73,7 @@ def study(number: int, begun: str, runs: int) -> str:
 
 
 def begun_times(begun: Path) -> dict[int, int]:
-    """How often each piece was begun, by its number."""
+    """Counts how often each piece was begun, by its number."""
     return {int(f.stem): len(f.read_text().split()) for f in begun.glob("*.txt")}
 
 
@@ -191,7 +191,7 @@ def _alone(args: argparse.Namespace, folder: Path) -> tuple[dict[int, str], floa
 
 
 def share(folder: str, k: str, workers: str, pieces: str, runs: str) -> None:
-    """In a process without an executor: every so many-th piece, as a worker does it."""
+    """Does every so many-th piece in a process without an executor, as a worker does it."""
     from tp_jax.executors.calls import Call, carry_out, pickled
 
     for number in range(int(k), int(pieces), int(workers)):

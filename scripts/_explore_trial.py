@@ -1,4 +1,4 @@
-"""What scripts/explore_trial runs: explorations beside fixed sweeps, on the same virtual rigs."""
+"""Program of scripts/explore_trial: explorations beside fixed sweeps, on the same virtual rigs."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""What scripts/guard runs: rigs whose diagnoses a change must not alter unseen."""
+"""Program of scripts/guard: rigs whose diagnoses a change must not alter unseen."""
 
 import dataclasses
 import json
@@ -22,7 +22,7 @@ KEPT = ROOT / "trials" / "guard.json"
 FOLDER = ROOT / ".cache" / "guard"
 
 SEED = 34
-"""Of both trials. No other study may use it, and no choice of the diagnosis is scored on them."""
+"""Seed of both trials. No other study may use it; no choice of the diagnosis is scored on them."""
 
 RIGS = {"clean": 12, "rough": 12}
 """Rigs of each kind."""
@@ -56,12 +56,12 @@ class Row:
 
     @classmethod
     def read(cls, entry: Mapping[str, Any]) -> "Row":
-        """From its JSON."""
+        """Reads a row from its JSON."""
         lists = {name: tuple(entry[name]) for name in ("hidden", "causes")}
         return cls(**{**entry, **lists})
 
     def differs(self, other: "Row") -> bool:
-        """Whether verdict, causes or shrink do."""
+        """True if verdict, causes or shrink differ."""
         mine, theirs = self.shrink, other.shrink
         if (self.verdict, self.causes) != (other.verdict, other.causes):
             return True

@@ -1,4 +1,4 @@
-"""What scripts/multistart runs: many starts on virtual rigs, and what they find."""
+"""Program of scripts/multistart: many starts on virtual rigs, and what they find."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""What scripts/nulls runs: false alarms under many kinds of noise, and a weak drag in decays."""
+"""Program of scripts/nulls: false alarms under many kinds of noise, and a weak drag in decays."""
 
 import dataclasses
 import os
@@ -145,7 +145,7 @@ def _campaign(kind: str, seed: int) -> Any:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """By kind: alarms, small p, how often bearing_drag is named, noise, time."""
+    """Tabulates by kind: alarms, small p, how often bearing_drag is named, noise, time."""
 
     def line(kind: str, mine: list[Row]) -> tuple[str, ...]:
         def share(which: Callable[[Row], bool]) -> str:

@@ -1,4 +1,4 @@
-"""What scripts/stragglers runs: fleets on many workers, by chance, from measured piece times."""
+"""Program of scripts/stragglers: fleets on many workers, by chance, from measured piece times."""
 
 import argparse
 import dataclasses
@@ -22,7 +22,7 @@ LEDGER = ROOT / "trials" / "nulls.jsonl"
 PAGE = ROOT / "docs" / "scale.md"
 
 KIND = "rough"
-"""Of the ledger's rigs: recorded so differently that their times differ fifty-fold."""
+"""Kind of the ledger's rigs: recorded so differently that their times differ fifty-fold."""
 
 SEED = 46
 
@@ -34,7 +34,7 @@ LOSSES = (0.0, 0.1, 2.0)
 all the time."""
 
 RESTART_S = 30.0
-"""Until a lost worker's place is filled: a process that imports and reads compiled programs."""
+"""Time to fill a lost worker's place: a process that imports and reads compiled programs."""
 
 HEADS = (
     "rigs", "workers", "lost in an hour", "wall time over the least",

@@ -25,12 +25,12 @@ from trials.written import readable, sha256
 ATTEMPTS = 20
 
 PART_OF_KEY = "key.json"
-"""In a case's sealed folder, until the trial is whole."""
+"""File in a case's sealed folder, until the trial is whole."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """How every campaign of a trial is made.
+    """Settings by which every campaign of a trial is made.
 
     Attributes:
         runs: given; the first a decay. sealed_runs: never given.

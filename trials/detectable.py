@@ -1,4 +1,4 @@
-"""How large an effect must be to be seen: measured on the virtual rig, without any model of it.
+"""Size that an effect must have to be seen: measured on the virtual rig, without any model of it.
 
 The sum of squares of what only the effect explains (`projection`), in units of the noise, is the
 noncentrality of the best test for that effect; its minimum detectable size is where this is found
@@ -88,7 +88,7 @@ def needed(bench: Bench, id: str) -> float:
 def minimum_detectable(
     bench: Bench, id: str, sizes: Sequence[float], shapes: Mapping[str, float]
 ) -> float:
-    """By which factor these sizes are to be multiplied to be just detectable; inf: never.
+    """Finds the factor that makes these sizes just detectable; inf: never.
 
     As in diagnosis.json: so large that it is found in its least detectable direction. Measured at
     about three times the answer, amid the sizes that are to be drawn, and taken from there in

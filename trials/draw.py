@@ -51,7 +51,7 @@ def runs_of(parameters: RigParameters, runs: int, seed: int) -> list[dict[str, f
 
 
 def usable(parameters: RigParameters, plan: Sequence[dict[str, float]], duration: float) -> bool:
-    """Whether every column moves, none too far, and riders slide in all driven runs but one."""
+    """True if every column moves, none too far, and riders slide in all driven runs but one."""
     rig = VirtualRig(parameters)
     slid = 0
     for run in plan:
@@ -65,13 +65,13 @@ def usable(parameters: RigParameters, plan: Sequence[dict[str, float]], duration
 
 
 def largest(id: str, sizes: Sequence[float]) -> float:
-    """By which factor sizes that an effect drew for itself may be multiplied at most."""
+    """Returns the most by which sizes that an effect drew for itself may be multiplied."""
     norm = float(np.linalg.norm(sizes))
     return min(PLAUSIBLE, MOST[id] / norm) if id in MOST else PLAUSIBLE
 
 
 def applies(id: str, with_B2: bool) -> bool:
-    """Whether an effect can be known from the recordings at all."""
+    """True if an effect can be known from the recordings at all."""
     if id == "drive_delay":  # the drives of a trial are commanded, not recorded
         return False
     # no angle shows it unless both moments of inertia are given

@@ -1,4 +1,4 @@
-"""Whether what a diagnosis adds to the model makes it predict runs worse that were never given.
+"""Checks whether what a diagnosis adds makes the model predict runs worse that were never given.
 
 A model does harm where after^2 > before^2 by more than 2 % of before^2 and one standard error of
 the difference together, both on the sealed runs. *Windowed*: mean squares as `gap.held_out` has
@@ -29,7 +29,7 @@ NOTHING: dict[str, bool | None] = {"windowed": None, "free_run": None}
 
 
 def asked(diagnosis: Mapping[str, Any]) -> bool:
-    """Whether a diagnosis adds anything to the model: its causes, with a fit of them."""
+    """True if a diagnosis adds anything to the model: its causes, with a fit of them."""
     after = (diagnosis.get("fits") or {}).get("after")
     return bool(diagnosis.get("causes")) and after is not None
 
@@ -55,12 +55,12 @@ def measured_harm(
 
 
 def kept_file(root: Path, case: str) -> Path:
-    """Where the answer is kept."""
+    """Names the file in which the answer is kept."""
     return diagnosis_file(root, case).with_name("harm.json")
 
 
 def worse(before: np.ndarray, after: np.ndarray, weights: np.ndarray) -> bool | None:
-    """Whether errors grow beyond what is tolerated and beyond chance.
+    """True if errors grow beyond what is tolerated and beyond chance.
 
     Args:
         before, after: (n,) mean squares of each window or run [rad^2].

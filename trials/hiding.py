@@ -1,4 +1,4 @@
-"""Which effects a rig gets, and how large: in multiples of what its recordings could just show."""
+"""Effects that a rig gets, and how large: in multiples of what its recordings could just show."""
 
 import math
 from collections.abc import Callable, Mapping

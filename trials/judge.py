@@ -17,7 +17,7 @@ Diagnosis = Mapping[str, Any]
 
 
 def judge(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
-    """What a diagnosis got right; None where a question does not arise.
+    """Says what a diagnosis got right; None where a question does not arise.
 
     Args:
         entry: the case's part of the key. diagnosis: as in diagnosis.json.
@@ -78,7 +78,7 @@ def tied(diagnosis: Diagnosis, id: str) -> set[str]:
 
 
 def among_first(diagnosis: Diagnosis, id: str, n: int) -> bool:
-    """Whether an effect is among the first n: accepted causes, then candidates by probability.
+    """True if an effect is among the first n: accepted causes, then candidates by probability.
 
     Those tied with one that was counted already are not counted again.
     """
@@ -99,14 +99,14 @@ def among_first(diagnosis: Diagnosis, id: str, n: int) -> bool:
 
 
 def both_named(diagnosis: Diagnosis, hidden: Sequence[str]) -> bool:
-    """Whether two different causes stand for the two hidden effects."""
+    """True if two different causes stand for the two hidden effects."""
     causes = [cause["effect"] for cause in diagnosis.get("causes") or []]
     one, two = (tied(diagnosis, id) for id in hidden)
     return any(a != b and a in one and b in two for a in causes for b in causes)
 
 
 def said(row: Mapping[str, Any]) -> str:
-    """What a diagnosis says of a case in a word: its first cause, `no_gap` or `unknown`.
+    """Puts a diagnosis of a case in a word: its first cause, `no_gap` or `unknown`.
 
     Of what lies outside the catalogue the verdict `unknown` is the answer, whatever takes a part
     of the gap.
@@ -137,7 +137,7 @@ def first_cause(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any
 
 
 def names_cousin(entry: Mapping[str, Any], id: str, diagnosis: Diagnosis) -> bool:
-    """Whether the first cause is a cousin's kind, tied with it, or a learned law of its family."""
+    """True if the first cause is a cousin's kind, tied with it, or a learned law of its family."""
     known, cause = entry["cousins"][id], diagnosis["causes"][0]
     if cause.get("kind") == "learned":
         said = str(cause.get("family") or cause["effect"])

@@ -16,7 +16,7 @@ OF = "diagnosis_sha256"
 def kept(
     file: Path, diagnosis: Path, schema: Mapping[str, Any], measure: Callable[[], dict[str, Any]]
 ) -> dict[str, Any]:
-    """What the file says where it is of this very diagnosis, or else what `measure` finds.
+    """Reads the file where it is of this very diagnosis, or else returns what `measure` finds.
 
     Args:
         file: JSON; made anew where it is missing, spoiled or of another diagnosis.

@@ -20,7 +20,7 @@ from trials.seal import seal, sealed_with
 Progress = Callable[[str, float | None], None]
 
 NOTE = "trial.json"
-"""What a trial that grows is to be."""
+"""File that says what a trial that grows is to be."""
 
 
 def make(

@@ -1,4 +1,4 @@
-"""Which cases a trial has: kinds in fixed proportion, effects by turns, in random order."""
+"""Plan of the cases of a trial: kinds in fixed proportion, effects by turns, in random order."""
 
 import dataclasses
 import itertools
@@ -36,7 +36,7 @@ class Case:
 
     @property
     def wanted(self) -> int:
-        """How many effects are to be hidden."""
+        """Number of effects to be hidden."""
         return {"none": 0, "two": 2}.get(self.kind, 1)
 
 

@@ -1,4 +1,4 @@
-"""What of a change of the readings only a hidden effect explains, measured on the virtual rig.
+"""Change of the readings that only a hidden effect explains, measured on the virtual rig.
 
 In short windows the rig with the effect is compared with the same rig without it, restarted from
 the same state at the window's start, so that phases do not run away. What a change of the rig's
@@ -25,7 +25,7 @@ FREE = ("B2", "k", "A", "c1", "M1", "Tv", "Ts1", "Tst", "T0")
 
 @dataclasses.dataclass(frozen=True)
 class Bench:
-    """What of a campaign decides how small an effect it shows.
+    """Properties of a campaign that decide how small an effect it shows.
 
     Attributes:
         parameters: of the rig. plan: arguments of `VirtualRig.start` for each run.
@@ -66,7 +66,7 @@ class Bench:
 
     @property
     def runs(self) -> int:
-        """Of the whole campaign."""
+        """Number of runs of the whole campaign."""
         return round(len(self.plan) / self.part)
 
 

@@ -1,4 +1,4 @@
-"""How a rig is recorded: sensors with coloured noise, a coarse converter, perhaps a drive's angle.
+"""Recorder of a rig: sensors with coloured noise, a coarse converter, perhaps a drive's angle.
 
 A reading of an angle is quantised(angle + zero + white + coloured noise). The coloured part is an
 autoregression of second order at the sampling rate, x[i] = ar1 x[i-1] + ar2 x[i-2] + e[i].
@@ -17,7 +17,7 @@ SETTLED = 200  # samples after which an autoregression has forgotten its start
 
 @dataclasses.dataclass(frozen=True)
 class Sensor:
-    """Of one body.
+    """Sensor of one body.
 
     Attributes:
         white, coloured: standard deviations of both parts of the noise [rad].
@@ -39,12 +39,12 @@ class Sensor:
 
     @property
     def step(self) -> float:
-        """Between two numbers of the converter [rad]."""
+        """Step between two numbers of the converter [rad]."""
         return 2.0 * math.pi / 2**self.bits
 
     @property
     def rms(self) -> float:
-        """Of all noise, rounding included [rad]."""
+        """Root mean square of all noise, rounding included [rad]."""
         return math.sqrt(self.white**2 + self.coloured**2 + self.step**2 / 12.0)
 
     @property
@@ -55,7 +55,7 @@ class Sensor:
 
     @property
     def slow(self) -> float:
-        """Of white noise with the spectral density that this has at frequency zero [rad].
+        """Rms of white noise with the spectral density that this has at frequency zero [rad].
 
         What matters for motions that are slow against the sampling. Rounding counts as white.
         """
@@ -80,7 +80,7 @@ class Sensor:
 
 @dataclasses.dataclass(frozen=True)
 class DriveSensor:
-    """Of the motor's arm: reading = gain f + offset, with white noise, rounded.
+    """Sensor of the motor's arm: reading = gain f + offset, with white noise, rounded.
 
     Attributes:
         gain: [reading per rad]. offset: of the reading.
@@ -119,5 +119,5 @@ class Recorder:
 
 
 def rounded(x: np.ndarray, step: float) -> np.ndarray:
-    """To whole numbers of steps."""
+    """Rounds to whole numbers of steps."""
     return step * np.round(x / step)

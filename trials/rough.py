@@ -19,7 +19,7 @@ ATTEMPTS = 2000  # parameters drawn until a rig is plausible; one in ten or so i
 
 @dataclasses.dataclass(frozen=True)
 class RoughSettings:
-    """What rough rigs are drawn from; pairs are ends, "log" uniform in the logarithm.
+    """Ranges that rough rigs are drawn from; pairs are ends, "log" uniform in the logarithm.
 
     Attributes:
         rates: samples a second, log. recordings: of a campaign. durations: of one [s], log.
@@ -85,7 +85,7 @@ class RoughSettings:
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """What a rig is before its numbers: rate [Hz], runs, with a rider, driven, measured drive."""
+    """Kind of a rig before its numbers: rate [Hz], runs, with a rider, driven, measured drive."""
 
     rate: float
     runs: int
@@ -133,7 +133,7 @@ def draw_parameters(rng: np.random.Generator, settings: RoughSettings, kind: Kin
 def draw_recorder(
     rng: np.random.Generator, settings: RoughSettings, kind: Kind, A: float
 ) -> Recorder:
-    """How a rig whose drive has the amplitude A [rad] is recorded."""
+    """Draws how a rig whose drive has the amplitude A [rad] is recorded."""
     drive = None
     sensor1, sensor2 = _sensor(rng, settings), _sensor(rng, settings)
     if kind.measured:

@@ -95,7 +95,7 @@ def _draw_rig(
 def bench_of(
     p: RigParameters, recorder: Recorder, plan: list[Run], settings: RoughSettings, seed: int
 ) -> Bench:
-    """What decides how small an effect the campaign shows, from a part of its runs.
+    """Returns what decides how small an effect the campaign shows, from a part of its runs.
 
     The noise is white noise of the sensor's spectral density at frequency zero, or of its
     variance if that is more; motions are slow against the sampling. What a measured drive reads
@@ -124,7 +124,7 @@ def bench_of(
 
 
 def tellable(id: str, recorder: Recorder, driven: bool, rider: bool) -> bool:
-    """Whether an effect can be known from recordings of a kind at all."""
+    """True if an effect can be known from recordings of a kind at all."""
     effect = catalogue()[id]
     if effect.needs_rider and not rider:
         return False

@@ -1,4 +1,4 @@
-"""Which runs a rough rig makes: those given, and sealed ones of other excitation."""
+"""Runs that a rough rig makes: those given, and sealed ones of other excitation."""
 
 import itertools
 import math
@@ -66,7 +66,7 @@ def sealed_runs(
 
 
 def shows(p: RigParameters, runs: Sequence[Run], noise: float, *, sliding: float = SLIDING) -> bool:
-    """Whether the column moves in every run, never too far, and a rider slides in a share of them.
+    """True if the column moves in every run, never too far, and a rider slides in a share of them.
 
     Args:
         p: the rig, without effects. runs: of it. noise: of the readings [rad].
@@ -92,7 +92,7 @@ def center(p: RigParameters) -> float:
 
 
 def _others(rng: np.random.Generator, given: list[float], n: int) -> list[float]:
-    """As many values as asked for: beyond one end, then in the widest gaps between those given."""
+    """Draws n values: beyond one end, then in the widest gaps between those given."""
     if n == 0:
         return []
     more, up = 1.0 + float(rng.uniform(*BEYOND)), bool(rng.random() < 0.5)

@@ -1,4 +1,4 @@
-"""What a sealed trial keeps: its key, the part of the key that is one case's, and measures.
+"""Contents of a sealed trial: its key, the part of the key that is one case's, and measures.
 
 The key cannot be edited without breaking its seal; a case's part is read back where a trial that
 was interrupted goes on, and a measure where a diagnosis was measured before.

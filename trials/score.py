@@ -176,7 +176,7 @@ def measures(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def confusion(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, int]]:
-    """What was hidden -> what was said first -> how often; ties not counted as one.
+    """Counts what was hidden -> what was said first -> how often; ties not counted as one.
 
     Two effects at once are in it as "one + other".
     """

@@ -68,7 +68,7 @@ def case_names(root: Path) -> list[str]:
 
 
 def diagnosis_file(root: Path, case: str) -> Path:
-    """Where the diagnosis of a case belongs."""
+    """Names the file where the diagnosis of a case belongs."""
     return root / f"{case}-diagnosis" / "diagnosis.json"
 
 
@@ -78,7 +78,7 @@ def undiagnosed(root: Path, first: int | None = None) -> list[str]:
 
 
 def open_key(root: Path, first: int | None = None) -> dict[str, Any]:
-    """What was hidden.
+    """Opens the key to what was hidden.
 
     Args:
         root: the trial's folder.

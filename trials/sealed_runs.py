@@ -1,4 +1,4 @@
-"""How far a diagnosis closes the gap on runs that were never given, and how far it could.
+"""Measures how far a diagnosis closes the gap on runs never given, and how far it could.
 
 Windowed as in the diagnosis itself (`gap.held_out`): the sealed runs are its held-out recordings.
 The best possible is the true model, its effects, amplitudes and shape constants known to begin

@@ -1,4 +1,4 @@
-"""What is true of a case, in the terms of its diagnosis."""
+"""Truth of a case, in the terms of its diagnosis."""
 
 import math
 from collections.abc import Mapping
@@ -16,12 +16,12 @@ def channels(entry: Mapping[str, Any]) -> set[str]:
 
 
 def location(entry: Mapping[str, Any], id: str) -> str:
-    """Where a hidden effect is."""
+    """Returns where a hidden effect is."""
     return entry["given"]["effects"][id]["location"]
 
 
 def unit_torque(entry: Mapping[str, Any]) -> float:
-    """What the campaign counts torques and moments of inertia in [N m]; 1 where it gives B1.
+    """Unit of the campaign's torques and moments of inertia [N m]; 1 where it gives B1.
 
     A campaign without B1 has it as 1, and everything else in proportion.
     """
@@ -90,7 +90,7 @@ def multiple(
 
 
 def covered(entry: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> dict[str, list[bool]]:
-    """Whether intervals hold the truth: of the amplitudes, and of the rig's parameters.
+    """Says whether intervals hold the truth: of the amplitudes, and of the rig's parameters.
 
     Asked only where the model that was found is the true one, effect by effect.
     """

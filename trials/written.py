@@ -1,4 +1,4 @@
-"""What was written of a case, looked at again."""
+"""Second look at what was written of a case."""
 
 import hashlib
 from pathlib import Path
@@ -10,7 +10,7 @@ from trials.draw import FARTHEST
 
 
 def readable(folder: Path) -> bool:
-    """Whether the package reads a campaign, and the column stays where springs bend."""
+    """True if the package reads a campaign, and the column stays where springs bend."""
     try:
         campaign = load_campaign(folder)
     except CampaignError:
@@ -19,5 +19,5 @@ def readable(folder: Path) -> bool:
 
 
 def sha256(file: Path) -> str:
-    """Of a file."""
+    """Computes the SHA-256 of a file."""
     return hashlib.sha256(file.read_bytes()).hexdigest()

@@ -93,7 +93,7 @@ def lines(draw: st.DrawFn) -> list[str]:
 
 
 def attack(tally: Tally, inputs: int, seed: int = 0) -> None:
-    """So many command lines, each in a folder of valid files."""
+    """Tries so many command lines, each in a folder of valid files."""
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as folder:
         root, count = Path(folder), itertools.count()

@@ -81,7 +81,7 @@ def theirs() -> bytes:
 
 
 def calibration() -> Calibration:
-    """Of both sensors, by two laws."""
+    """Makes a calibration of both sensors, by two laws."""
     p = SensorCalibration(
         "sine_cosine", np.array([1.65, 2.6, 1.64, 2.58, 0.01]), np.diag([2e-3] * 5) ** 2,
         (-0.7, 0.7), 0.003,
@@ -104,7 +104,7 @@ def readings() -> bytes:
 
 
 def metadata() -> dict:
-    """What is known of a recording, as far as it is read back."""
+    """Makes the metadata of a recording, as far as they are read back."""
     entry = calibration_entry(calibration(), {"phi1": (-0.5, 0.5), "phi2": (-0.5, 0.5)})
     content = {"schema": RECORDING, "state": "complete", "calibration": entry}
     return json.loads(json.dumps(content, default=lambda x: x.tolist()))
@@ -123,7 +123,7 @@ def starts() -> dict:
 
 
 def part_of_key() -> dict:
-    """What a sealed trial keeps of one case."""
+    """Makes what a sealed trial keeps of one case."""
     effect = {
         "sizes": {"a": 0.1}, "shapes": {}, "unit": ["1"], "location": "column",
         "channel": "column", "in_catalogue": True,

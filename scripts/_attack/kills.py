@@ -16,14 +16,14 @@ from scripts._attack import corpus
 from scripts._attack.tally import Tally, Wrong
 
 RECORDINGS = 0.1
-"""Of the kills, those of whole recordings, which take seconds each."""
+"""Part of the kills that are of whole recordings, which take seconds each."""
 
 LONGEST_LIFE = 0.08
 """Seconds until a process that only writes is killed."""
 
 
 def attack(tally: Tally, kills: int, seed: int = 0) -> None:
-    """So many kills, shared among those that write. Before threads are there: it forks."""
+    """Makes so many kills, shared among those that write. Before threads are there: it forks."""
     chance = random.Random(seed)
     recordings = round(RECORDINGS * kills)
     doors: dict[str, Callable[[Path, random.Random], None]] = {
@@ -69,7 +69,7 @@ def killed(work: Callable[[Callable[[int], None]], None], life: float) -> int:
 
 
 def _starts(folder: Path, chance: random.Random) -> None:
-    """What a search said it kept is there, and nothing else is."""
+    """Checks that what a search said it kept is there, and nothing else."""
     from tp_jax.estimation.checkpoint import Checkpoint
 
     given, file = corpus.starts(), folder / "starts.json"

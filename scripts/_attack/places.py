@@ -1,4 +1,4 @@
-"""Where files lie: a full disk, a home that is none, a cache of another processor or spoiled."""
+"""Places of files: a full disk, a home that is none, a cache of another processor or spoiled."""
 
 import os
 import resource
@@ -63,7 +63,7 @@ def _run(
 
 
 def _full(root: Path, env: Mapping[str, str], words: tuple[str, ...], most: int) -> None:
-    """What was there stays where nothing more can be written."""
+    """Checks that what was there stays where nothing more can be written."""
     out = root / ("run.csv" if words is RECORD else "out")
     if words is not RECORD:
         out.write_text("what was there")
@@ -121,7 +121,7 @@ def _rights(root: Path, env: Mapping[str, str], mode: int, plain: str) -> None:
 
 
 def _foreign(root: Path, env: Mapping[str, str], plain: str) -> None:
-    """What was compiled for another processor is not run, though it is in the same cache."""
+    """Checks that what was compiled for another processor is not run, though in the same cache."""
     code = (
         "import sys; from tp_jax import _processor; _processor.name = lambda: 'foreign'; "
         "from tp_jax.cli import main; sys.exit(main(sys.argv[1:]))"

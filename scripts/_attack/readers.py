@@ -19,7 +19,7 @@ Attack = tuple[st.SearchStrategy, Callable[[Any, Path], object]]
 
 
 def attack(tally: Tally, inputs: int, seed: int = 0, only: str | None = None) -> None:
-    """So many inputs, shared among the readers."""
+    """Tries so many inputs, shared among the readers."""
     chosen = {n: a for n, a in readers().items() if only is None or n == only}
     with tempfile.TemporaryDirectory() as folder:
         for door, (strategy, read) in chosen.items():

@@ -17,7 +17,7 @@ LONGEST = 600
 
 
 def attack(tally: Tally, searches: int, seed: int = 0) -> None:
-    """So many searches, each killed twice."""
+    """Makes so many searches, each killed twice."""
     if not searches:
         return
     chance = random.Random(seed)

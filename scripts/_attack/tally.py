@@ -1,4 +1,4 @@
-"""What became of hostile inputs: refused in one sentence, done, or a fault of ours."""
+"""Tally of hostile inputs: refused in one sentence, done, or a fault of ours."""
 
 import signal
 import time
@@ -25,7 +25,7 @@ class Wrong(AssertionError):
 
 @dataclass
 class Row:
-    """Of one door: inputs tried, refused, done; faults by what went wrong, and the slowest [s]."""
+    """One door: inputs tried, refused, done; faults by what went wrong, and the slowest [s]."""
 
     tried: int = 0
     refused: int = 0
@@ -55,7 +55,7 @@ class Tally:
         Args:
             door: that is tried.
             work: returns where the input was taken, raises InputError where it was refused.
-            about: told with a fault, so that it can be had again.
+            about: reported with a fault, so that it can be had again.
             longest: seconds after which it hangs, if not `LONGEST`.
         """
         row = self.rows.setdefault(door, Row())

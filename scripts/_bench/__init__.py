@@ -1,4 +1,4 @@
-"""What scripts/bench runs: the engine side by side with what else one would take.
+"""Program of scripts/bench: the engine side by side with what else one would take.
 
     problem, equations   the preset, its variations; the equations in plain numbers
     peer, peers/         one way to compute the same motions per file, all with the same interface

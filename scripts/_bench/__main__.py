@@ -117,7 +117,7 @@ def _drawn(numbers: dict, names: list[str], folder: Path) -> list[str]:
 
 
 def _tell(line: str) -> None:
-    """What is going on, for those who wait at a terminal."""
+    """Says what is going on, for those who wait at a terminal."""
     if sys.stderr.isatty():
         print(f"bench: {line}", file=sys.stderr, flush=True)
 

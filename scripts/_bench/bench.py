@@ -1,4 +1,4 @@
-"""What the measures share: scale, peers, and each peer's tolerance for the error asked for."""
+"""Bench that the measures share: scale, peers, each peer's tolerance for the error asked for."""
 
 import math
 import time
@@ -17,7 +17,7 @@ TARGET = 1e-5
 """Largest error of an angle [rad] at which costs are compared: a hundredth of a sensor's noise."""
 
 LOOSEST = 0.1
-"""Where our ladder of tolerances begins [rad]."""
+"""Beginning of our ladder of tolerances [rad]."""
 
 
 @dataclass

@@ -40,7 +40,7 @@ def truth() -> dict[str, float]:
 
 
 def cvodes_tolerance(b: Bench) -> float | None:
-    """At which CVODES has the error asked for, if it is among the peers; None without CasADi."""
+    """Tolerance of CVODES for the error asked for, if it is among peers; None without CasADi."""
     if importlib.util.find_spec("casadi") is None:
         return None
     peers = [peer for peer in b.peers if peer.name == "casadi-cvodes"]

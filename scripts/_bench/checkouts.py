@@ -140,7 +140,7 @@ def diagnosed(root: Path, campaign: Path, cache: Path) -> Diagnosed:
 
 
 def read(printed: Mapping[str, Any]) -> Diagnosed:
-    """What the program printed, with the times of like stages together."""
+    """Reads what the program printed, with the times of like stages together."""
     stages: dict[str, float] = {}
     for shown, seconds in printed["stages"]:
         stage = next((s for begin, s in STAGES.items() if shown.startswith(begin)), "other")

@@ -1,4 +1,4 @@
-"""Where and when numbers were measured."""
+"""Machine on which numbers were measured, and when."""
 
 import datetime
 import os

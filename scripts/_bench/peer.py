@@ -1,4 +1,4 @@
-"""What a peer is: a name and up to three functions, all of the same arguments and results."""
+"""Definition of a peer: a name and up to three functions, all of the same arguments and results."""
 
 import os
 from collections.abc import Callable

@@ -17,7 +17,7 @@ from .peer import Solver, cores
 
 @cache
 def workers() -> ProcessPoolExecutor:
-    """As many processes as cores."""
+    """Starts as many processes as cores."""
     pool = ProcessPoolExecutor(cores(), multiprocessing.get_context("spawn"))
     atexit.register(pool.shutdown)
     return pool

@@ -1,4 +1,4 @@
-"""What is computed: the preset `bench`, its variations, and the times at which angles are wanted.
+"""Problem: the preset `bench`, its variations, and the times at which angles are wanted.
 
 A run is given by a row of eleven numbers, NAMES in that order; eps, the slope of the smoothed dry
 friction, is the same for both bodies and goes beside it. Every run starts from rest.
@@ -26,7 +26,7 @@ RATE = 250.0  # Hz
 
 
 class Scale(NamedTuple):
-    """How much is computed: everything, or the quick version that the tests run.
+    """Scale of the computations: everything, or the quick version that the tests run.
 
     duration [s]; lanes of the sweep; pairs of interleaved timings; draws of the robustness;
     scaling: numbers of lanes; eps [s]; tolerances: ladder, loosest first; cap [s] on one timed

@@ -1,4 +1,4 @@
-"""What errors are measured against: LSODA at a tight tolerance, cross-checked by another method.
+"""Reference for errors: LSODA at a tight tolerance, cross-checked by another method.
 
 Kept between runs in the user's cache folder, under a name made of all that goes in.
 """
@@ -15,7 +15,7 @@ from . import equations, variational
 from .peers import scipy_lsoda, scipy_radau
 
 EDITION = 1
-"""To be raised when a reference would come out differently."""
+"""Number to be raised when a reference would come out differently."""
 
 FEW = 8
 """Fewer rows are not worth starting processes for, nor compiling a second method."""

@@ -37,7 +37,7 @@ class Runs(NamedTuple):
     tol: float
 
     def row(self, values: np.ndarray, run: int) -> np.ndarray:
-        """What the integrator takes for a run."""
+        """Returns what the integrator takes for a run."""
         p = np.zeros(len(NAMES) + 1)
         p[PLACES] = values
         p[NAMES.index("B1")], p[NAMES.index("omega")], p[-1] = self.B1, self.omega[run], self.eps
@@ -94,7 +94,7 @@ def starts(number: int, lower: np.ndarray, upper: np.ndarray, seed: int) -> np.n
 
 
 def fit(x0: np.ndarray, runs: Runs, lower: np.ndarray, upper: np.ndarray) -> tuple:
-    """Where least squares from a start end: logarithms (u,), sum of squares, evaluations."""
+    """Finds where least squares from a start end: logarithms (u,), sum of squares, evaluations."""
     found = optimize.least_squares(
         residuals, x0, jacobian, bounds=(np.log(lower), np.log(upper)), x_scale="jac",
         max_nfev=EVALUATIONS, args=(runs,),

@@ -37,7 +37,7 @@ def show(rows: Iterable[Row], machine: Mapping, notes: Iterable[str]) -> None:
 
 
 def verdict(row: Row) -> str:
-    """Whether the bar was reached, and how far."""
+    """Says whether the bar was reached, and how far."""
     if row.reached is None or row.margin is None:
         return ""
     word = "yes" if row.reached else "no"

@@ -72,7 +72,7 @@ def interleaved(
 
 
 def ratio(readings: Mapping[str, Sequence[float]], name: str, to: str) -> Spread:
-    """How many times as long `name` takes as `to`: from the pairs of each round."""
+    """Computes how many times as long `name` takes as `to`: from the pairs of each round."""
     return spread([a / b for a, b in zip(readings[name], readings[to], strict=True)])
 
 

@@ -1,4 +1,4 @@
-"""What scripts/blind does with a sealed trial: make it, score it, carry it out from end to end,
+"""Program of scripts/blind, for a sealed trial: make it, score it, carry it out from end to end,
 or let it grow.
 
 make_and_score     the commands `make` and `score`

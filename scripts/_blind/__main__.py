@@ -26,7 +26,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         words = [RUN, *words]
     try:
         args = parser.parse_args(words)
-    except SystemExit as done:  # --help, or a fault that argparse has told already
+    except SystemExit as done:  # --help, or a fault that argparse has reported already
         return int(done.code or 0)
     return carried_out("blind", _carry_out, args, resumes=args.command in (RUN, POOL))
 

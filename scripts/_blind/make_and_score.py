@@ -15,7 +15,7 @@ from tp_jax.cli.arguments import (
 )
 
 MOST_CASES = 100_000
-"""Of a trial: a month of making them, and longer to diagnose them."""
+"""Cases of a trial at most: a month of making them, and longer to diagnose them."""
 
 
 def add_parsers(commands: argparse._SubParsersAction) -> None:
@@ -100,7 +100,7 @@ def run_score(args: argparse.Namespace) -> int:
     ready(args.json)
     open_key(
         Path(args.directory), args.first
-    )  # what is wrong is told before anything heavy is loaded
+    )  # what is wrong is reported before anything heavy is loaded
     with shown(quiet=args.quiet, form=args.progress) as progress:
         shrinks, harms = (None, None) if args.quick else on_sealed_runs()
         scored = score(

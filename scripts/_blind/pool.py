@@ -20,10 +20,10 @@ from tp_jax.errors import InputError
 ROOT = Path(__file__).parent.parent.parent
 POOLS = ROOT / "trials" / "pools"
 FOLDER = ROOT / ".cache" / "pools"
-"""Of the rigs in hand; each goes when its line is written."""
+"""Folder of the rigs in hand; each goes when its line is written."""
 
 MOST_MINUTES = 20.0
-"""Of a call, so that it fits between other work."""
+"""Minutes of a call at most, so that it fits between other work."""
 
 FIRST_GUESS = 180.0
 """Seconds that a rig is taken to need while the ledger holds none; most need less."""
@@ -39,7 +39,7 @@ HEADS = (
 )  # fmt: skip
 
 KNOWN = ("case", "kind", "effects", "verdict", "causes", "multiple", "shrink")
-"""What a judged rig has that stands in its line already."""
+"""Fields of a judged rig that stand in its line already."""
 
 
 @dataclasses.dataclass(frozen=True)

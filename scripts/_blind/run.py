@@ -156,7 +156,7 @@ def _sealed(root: Path, name: str) -> Path:
 
 
 def wants_shrink(entry: Mapping[str, Any]) -> bool:
-    """Whether the model of a case is asked how far it closes the gap."""
+    """True if the model of a case is asked how far it closes the gap."""
     return entry["kind"] in ("one", "two")
 
 
@@ -168,12 +168,12 @@ def _wants_harm(root: Path, entry: dict[str, Any]) -> bool:
 
 
 def _on_sealed(root: Path, entry: dict[str, Any]) -> bool:
-    """Whether the sealed runs of a case are to be predicted."""
+    """True if the sealed runs of a case are to be predicted."""
     return wants_shrink(entry) or _wants_harm(root, entry)
 
 
 def _waits(root: Path, name: str, entry: dict[str, Any]) -> bool:
-    """Whether they have not been, as far as they are to be."""
+    """True if they have not been predicted, as far as they are to be."""
     from trials.harm import kept_file
 
     shrink = wants_shrink(entry) and not _sealed(root, name).is_file()
@@ -192,7 +192,7 @@ def _predict(root: Path, name: str, entry: dict[str, Any]) -> None:  # noqa: ARG
 
 
 def _known_harm(root: Path, entry: Any, diagnosis: Any) -> dict[str, Any]:
-    """What `_predict` has left of it."""
+    """Reads what `_predict` has left of the harm."""
     from trials.harm import NOTHING, kept_file, measured_harm
 
     if not kept_file(root, entry["case"]).is_file():
@@ -201,7 +201,7 @@ def _known_harm(root: Path, entry: Any, diagnosis: Any) -> dict[str, Any]:
 
 
 def _known_shrink(root: Path, entry: Any, diagnosis: Any) -> dict[str, float | None]:
-    """What `_predict` has left; a case in which it failed or that waits is not counted."""
+    """Reads what `_predict` has left; a case in which it failed or that waits is not counted."""
     if not _sealed(root, entry["case"]).is_file():
         return {"shrink": None, "best": None}
     from trials.sealed_runs import measured

@@ -1,4 +1,4 @@
-"""What a study consists of."""
+"""Settings of a study."""
 
 from typing import NamedTuple
 

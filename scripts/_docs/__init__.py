@@ -1,1 +1,1 @@
-"""What mkdocs.yml needs beside its themes: pages and pictures made from the package itself."""
+"""Pages and pictures for mkdocs.yml in addition to its themes, made from the package itself."""

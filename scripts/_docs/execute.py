@@ -46,7 +46,7 @@ def execute(path: Path) -> None:
 
 
 def texts(notebook: nbformat.NotebookNode) -> list[str]:
-    """What its cells print."""
+    """Returns what a notebook's cells print."""
     outputs = [o for cell in notebook.cells for o in cell.get("outputs", [])]
     return ["".join(o["text"]) for o in outputs if o["output_type"] == "stream"]
 

@@ -48,7 +48,7 @@ def page(path: Path) -> Page:
 
 
 def _shown(outputs: list[dict[str, Any]]) -> Iterator[tuple[str, Any]]:
-    """What a cell shows: texts, and pictures as bytes."""
+    """Yields what a cell shows: texts, and pictures as bytes."""
     for output in outputs:
         data = output.get("data", {})
         if output["output_type"] == "stream":

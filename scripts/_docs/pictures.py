@@ -1,4 +1,4 @@
-"""What each effect of the catalogue does to a run of the bench, as a small figure."""
+"""Small figures of what each effect of the catalogue does to a run of the bench."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,7 +21,7 @@ WIDTH, HEIGHT = 6.6, 1.75
 
 
 class Trace(NamedTuple):
-    """What an effect of its typical size changes: readings with it minus readings without.
+    """Change by an effect of its typical size: readings with it minus readings without.
 
     t (n,) s; phi1, phi2 (n,) rad; size: its amplitudes in words.
     """

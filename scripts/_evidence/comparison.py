@@ -23,10 +23,10 @@ from tp_jax.gap.policy import POLICY
 from tp_jax.gap.screen import pseudo_inverse
 
 LEVEL = 0.03
-"""At which false alarms are counted, as many as the sealed trial had."""
+"""Level at which false alarms are counted, as many as the sealed trial had."""
 
 DRAWS = 500
-"""Of scores of noise alone; a p of `LEVEL` has a standard error of .008 then."""
+"""Draws of scores of noise alone; a p of `LEVEL` has a standard error of .008 then."""
 
 SEED = 0
 
@@ -34,7 +34,7 @@ BANDS = ((1.0, 2.0), (2.0, 3.0), (3.0, np.inf))
 """Times the detectable size, by the rig's own scale; of two effects the larger."""
 
 NULLS = ("noise", "noise, its level drawn", "blocks flipped", "blocks drawn")
-"""How scores are drawn where there is noise alone; see `null_scores`."""
+"""Ways to draw scores where there is noise alone; see `null_scores`."""
 
 KINDS = {
     "none": "nothing hidden", "one": "one effect", "two": "two effects",
@@ -49,7 +49,7 @@ ALONE = "effects alone"
 
 @dataclasses.dataclass(frozen=True)
 class Answer:
-    """Of one rig.
+    """Answer for one rig.
 
     Attributes:
         rigs, kind: as in its facts. multiple: times detectable; None where nothing is hidden.
@@ -70,7 +70,7 @@ class Answer:
 
 
 def answers(folder: Path) -> list[Answer]:
-    """Of all screens in a folder."""
+    """Returns the answers for all screens in a folder."""
     found = (screens.read(file) for file in sorted(folder.glob("*.npz")))
     return [answer(saved) for saved in found if saved is not None]
 
@@ -116,7 +116,7 @@ def answer(saved: Saved) -> Answer:
 
 
 def _p(nothing: np.ndarray, seen: float) -> float:
-    """Of what was seen, where noise alone gives these (D,)."""
+    """Computes the p of what was seen, where noise alone gives these (D,)."""
     return float((1 + (nothing >= seen).sum()) / (1 + nothing.size))
 
 
@@ -161,7 +161,7 @@ def _ranked(found: dict[str, float]) -> list[str]:
 
 
 def _right(saved: Saved) -> set[str]:
-    """What is hidden, and what these recordings cannot tell from it (`TIED`)."""
+    """Returns what is hidden, and what these recordings cannot tell from it (`TIED`)."""
     best = {v.effect: v for v in _by_drop(saved)}
     known = {*saved.facts["hidden"], *saved.facts["cousins"].values()}
     like = {
@@ -228,7 +228,7 @@ def _which(rigs: str, found: Sequence[Answer]) -> str:
 
 
 def _against(asked: Sequence[Answer], way: str) -> str:
-    """On how many rigs a ranking is right where today's is wrong, and the reverse; sign test."""
+    """Counts rigs on which a ranking is right where today's is wrong, and vice versa; sign test."""
     if way == TODAY:
         return "–"
     better = sum(a.first[way] and not a.first[TODAY] for a in asked)
@@ -252,7 +252,7 @@ def _anything(rigs: str, found: Sequence[Answer]) -> str:
 
 
 def _else(rigs: str, found: Sequence[Answer]) -> str:
-    """How often *something else* is ahead of every effect, by what is hidden."""
+    """Counts how often *something else* is ahead of every effect, by what is hidden."""
     kinds = [kind for kind in KINDS if any(a.kind == kind for a in found)]
     rows = [
         (prior.name, *(share(a.other[prior.name] for a in found if a.kind == k) for k in kinds))

@@ -27,7 +27,7 @@ TOLD = np.geomspace(1.0, 100.0, 9)
 """The same where d is the standard error to which the recordings tell an amplitude."""
 
 VARIANCES = np.geomspace(1e-3, 1e2, 11)
-"""Of free coefficients, over what the mean window tells them to."""
+"""Variances of free coefficients, over what the mean window tells them to."""
 
 BINS = 60
 """Into which the variances of free coefficients are put for draws, equal in the logarithm."""
@@ -40,7 +40,7 @@ ELSE = "something else"
 
 @dataclasses.dataclass(frozen=True)
 class Prior:
-    """Of amplitudes.
+    """Prior of amplitudes.
 
     Attributes:
         name: in tables. told: whether d is what the recordings tell an amplitude to, instead of its
@@ -101,7 +101,7 @@ def _of_variant(
 
 
 def _within(limits: np.ndarray, sd: np.ndarray, V: float, score: np.ndarray) -> np.ndarray | float:
-    """What the bounds of an amplitude add: its probability within them, afterwards over before.
+    """Contribution of an amplitude's bounds: its probability within them, afterwards over before.
 
     Of one amplitude alone; several together count as unbounded. sd: (scales, 1); score: (D,).
     """
@@ -116,7 +116,7 @@ def _within(limits: np.ndarray, sd: np.ndarray, V: float, score: np.ndarray) -> 
 
 
 def _over_scales(found: np.ndarray, prior: Prior) -> np.ndarray:
-    """Of log evidences (scales, D)."""
+    """Combines log evidences (scales, D) over the scales."""
     if prior.likeliest:
         return np.maximum(found.max(axis=0), 0.0)  # a scale of zero is one of them
     return _log_mean(found)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from tp_jax.gap.structure import Structure
 
 SEED = 38
-"""Of the study; no choice of the diagnosis was made on its rigs."""
+"""Seed of the study; no choice of the diagnosis was made on its rigs."""
 
 PARTS = {
     "clean": {"none": 4, "one": 6, "two": 1, "outside": 1},
@@ -71,7 +71,7 @@ class Facts:
 
 
 def file_of(folder: Path, rigs: str, number: int) -> Path:
-    """Where the screen of a rig belongs."""
+    """Names the file where the screen of a rig belongs."""
     return folder / f"{rigs}-{number:05d}.npz"
 
 

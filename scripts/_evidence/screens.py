@@ -1,8 +1,8 @@
 """The screen of a rig as a file: all that the study asks of it, so that it asks in seconds.
 
-A file has two kinds of arrays beside a JSON text of plain facts: those of the catalogue's variants
-(columns one after another) and those of the sources that are free in every window, each in axes of
-its own, one after another.
+A file has two kinds of arrays in addition to a JSON text of plain facts: those of the catalogue's
+variants (columns one after another) and those of the sources that are free in every window, each in
+axes of its own, one after another.
 """
 
 import dataclasses
@@ -18,7 +18,7 @@ import numpy as np
 from tp_jax._files import bytes_of, replaced
 
 FORM = 1
-"""Of the files; those of another form are made anew."""
+"""Form of the files; those of another form are made anew."""
 
 
 @dataclasses.dataclass(frozen=True)

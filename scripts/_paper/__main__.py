@@ -96,7 +96,7 @@ def _drawn(result: dict[str, Any], scale, folder) -> list:
 
 
 def _tell(line: str) -> None:
-    """What is going on, for those who wait at a terminal."""
+    """Says what is going on, for those who wait at a terminal."""
     if sys.stderr.isatty():
         print(f"paper: {line}", file=sys.stderr, flush=True)
 

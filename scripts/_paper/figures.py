@@ -167,7 +167,7 @@ def _progress(result):
 
 
 def _seen(result):
-    """What ten per cent of a parameter do to y."""
+    """Draws what ten per cent of a parameter do to y."""
     seen = result["seen"]
     figure = style.new_figure(style.WIDE, 4.4)
     grid = figure.subplots(1, 2, sharey=True)

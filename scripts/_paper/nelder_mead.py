@@ -14,7 +14,7 @@ from scripts._paper.objective import Objective
 
 
 class Searched(NamedTuple):
-    """Where a search ended: x (11,), y [rad^2], evaluations of a whole run, seconds, y by
+    """End of a search: x (11,), y [rad^2], evaluations of a whole run, seconds, y by
     evaluation (the best so far), what it said."""
 
     x: np.ndarray

@@ -1,4 +1,4 @@
-"""How much is computed."""
+"""Scale of the computations."""
 
 from typing import NamedTuple
 

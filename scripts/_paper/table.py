@@ -40,7 +40,7 @@ def lines(result: dict[str, Any]) -> list[str]:
 
 
 def _negative(x: dict[str, float]) -> str:
-    """What the search has made of numbers that cannot be below zero."""
+    """Says what the search has made of numbers that cannot be below zero."""
     below = [n for n, value in x.items() if value < 0.0]
     return f"; below zero: {', '.join(below)}" if below else ""
 

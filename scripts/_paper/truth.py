@@ -27,7 +27,7 @@ def recorded(x, omega: float, ts: np.ndarray, noise: float = 0.0, seed: int = 0)
 
 
 def contact(ts: np.ndarray) -> dict[str, Any]:
-    """Whether the rider slips in Section 5.1's run, at the printed smoothing and at a finer one.
+    """Checks if the rider slips in Section 5.1's run, at the printed smoothing and at a finer one.
 
     A body that sticks under smoothed friction creeps, ever more slowly the finer the smoothing;
     one that slips does not care.
@@ -79,7 +79,7 @@ def unseen(ts: np.ndarray) -> dict[str, Any]:
 
 
 def difference_at_high_T0(values: dict[str, float], ts: np.ndarray) -> float:
-    """At the start's T0 of 1000 the Tst term is as good as Ts1's [rad]."""
+    """Shows that at the start's T0 of 1000 the Tst term is as good as Ts1's [rad]."""
     steep = {**values, "T0": 1000.0}
     merged = {**values, "Ts1": values["Ts1"] + values["Tst"], "Tst": 0.0}
     a, b = (simulate(presets.double_pendulum(**v), ts) for v in (steep, merged))
@@ -87,10 +87,10 @@ def difference_at_high_T0(values: dict[str, float], ts: np.ndarray) -> float:
 
 
 def seen(ts: np.ndarray) -> dict[str, Any]:
-    """What a change of ten per cent of each parameter does to y, in both designs.
+    """Computes what a change of ten per cent of each parameter does to y, in both designs.
 
-    Beside it the y from which on a change is more than the noise (four units of chi-square): that
-    much better than y itself, of the size of the noise squared, could see it.
+    In addition the y from which on a change is more than the noise (four units of chi-square):
+    that much better than y itself, of the size of the noise squared, could see it.
     """
     x = of_preset("paper-5.1")
     out: dict[str, Any] = {"part": PART, "detectable": 2.0 * NOISE**2 / ts.size}

@@ -43,7 +43,7 @@ def search(
         objectives: the recordings.
         B1: held there [kg m^2].
         start: (11,) numbers; the data's own start if None.
-        judged_by: what y is told of; the first recording if None.
+        judged_by: what y is reported for; the first recording if None.
     """
     setting = prepare_campaign(campaign_of("paper", B1, objectives), model="paper", effects=())
     values, ladder = initial_values(setting), None

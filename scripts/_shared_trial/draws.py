@@ -16,13 +16,13 @@ from tp_jax.gap.shared.selection import KIND, shared_effects
 from tp_jax.gap.structure import roots
 
 SEED = 48
-"""Of the draws; no number that decides was chosen on them."""
+"""Seed of the draws; no number that decides was chosen on them."""
 
 DRAWS = 10
 """Fleets with each effect, and fleets with nothing."""
 
 PART = 0.5
-"""Of the size that half of the rigs would detect alone."""
+"""Part of the size that half of the rigs would detect alone."""
 
 MOST_TIED = 3
 """Members of a group of effects that cannot be told apart, up to which naming one is right."""
@@ -31,10 +31,10 @@ EFFECTS = (
     "bearing_drag", "bearing_stribeck", "column_tilt", "contact_asymmetry", "contact_stribeck",
     "drive_harmonics", "sensor1_eccentricity", "spring_asymmetry", "spring_hardening",
 )  # fmt: skip
-"""That are drawn: of all places, each with amplitudes for the whole rig."""
+"""Effects that are drawn: of all places, each with amplitudes for the whole rig."""
 
 NOTHING, OWN = "nothing", "each rig an effect of its own"
-"""What else a fleet may have."""
+"""Alternatives to an effect that a fleet shares."""
 
 MULTIPLES = (1.0, 5.0)
 """Times the detectable size that a rig's own effect has, uniform in the logarithm."""
@@ -106,7 +106,7 @@ def _own(rig: RigScores, rng: np.random.Generator) -> tuple[Key, np.ndarray]:
 
 
 def _shown(rig: RigScores, variant: ScoredVariant) -> bool:
-    """Whether the rig can tell anything of all of an effect's amplitudes."""
+    """True if the rig can tell anything of all of an effect's amplitudes."""
     return bool(np.all(np.diag(rig.information)[variant.columns] > 0.0))
 
 
@@ -138,7 +138,7 @@ def half_detectable(rigs: Sequence[RigScores], key: Key, rng: np.random.Generato
 
 
 def judged(fleet: Sequence[RigScores], effect: str, number: int) -> Drawn:
-    """What the fleet names, and its rigs alone, whose own diagnoses name what they show."""
+    """Judges what the fleet names, and its rigs alone, whose own diagnoses name what they show."""
     firsts = [first_alone(rig) for rig in fleet]
     fleet = [
         dataclasses.replace(rig, own=() if key is None else (key,))
@@ -170,7 +170,7 @@ def first_alone(rig: RigScores) -> Key | None:
 
 
 def _is(rig: RigScores, key: Key, effect: str) -> bool:
-    """Whether what a rig shows is the effect (any, where none is shared), or like it."""
+    """True if what a rig shows is the effect (any, where none is shared), or like it."""
     if effect in (NOTHING, OWN, key[0]):
         return True
     every = [v.key for v in rig.variants if v.effect == effect]

@@ -17,16 +17,16 @@ from trials.draw import draw_rig, runs_of
 from trials.projection import Bench
 
 SEED = 46
-"""Of the full fleets."""
+"""Seed of the full fleets."""
 
 RIGS = 12
-"""Of a fleet."""
+"""Rigs of a fleet."""
 
 PART = 0.5
-"""Of the size that the bench, recorded as the rigs are, just detects."""
+"""Part of the size that the bench, recorded as the rigs are, just detects."""
 
 FLEETS: tuple[str | None, ...] = ("spring_asymmetry", None, "contact_stribeck")
-"""What the rigs of each fleet share; None: nothing."""
+"""Effects that the rigs of each fleet share; None: nothing."""
 
 RUNS, DURATION, RATE, NOISE = 6, 10.0, 250.0, 1e-3  # s, Hz, rad, as in the sealed trials
 
@@ -58,12 +58,12 @@ class Row:
 
 
 def file_of(folder: Path, fleet: int, rig: int) -> Path:
-    """Where the screen of a rig belongs."""
+    """Names the file where the screen of a rig belongs."""
     return folder / f"fleet-{fleet:02d}-rig-{rig:02d}.npz"
 
 
 def shared_effect(fleet: int) -> tuple[str, tuple[float, ...], dict[str, float]]:
-    """What a fleet shares: effect, sizes and shape constants; "" where it is nothing."""
+    """Draws what a fleet shares: effect, sizes and shape constants; "" where it is nothing."""
     effect = FLEETS[fleet - 1]
     if effect is None:
         return "", (), {}

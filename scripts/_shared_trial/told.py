@@ -121,7 +121,7 @@ def _effects(found: Shared, *, kind: bool) -> str:
 
 
 def _seen_alone(line: dict[str, Any], effect: str) -> bool:
-    """Whether a rig alone shows the effect (any, if it is ""), or one that is tied with it."""
+    """True if a rig alone shows the effect (any, if it is ""), or one that is tied with it."""
     if line["structure_p"] >= POLICY.structure.seen:
         return False
     small = len(line["tied"]) < MOST_TIED

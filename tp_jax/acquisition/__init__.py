@@ -1,4 +1,4 @@
-"""From a rig at a serial port to a recording: the protocol, the recorder, the calibration.
+"""Recording from a rig at a serial port: the protocol, the recorder, the calibration.
 
     frames -> protocol -> parser        the bytes of frames or lines of text, damaged or not
     port -> device                      who is there, and what it is told

@@ -1,4 +1,4 @@
-"""When the samples were taken, on the rig's clock, which are missing, and which are believed.
+"""Times of the samples on the rig's clock; which are missing, and which are believed.
 
 A sample is believed at once where it follows from the last one: by its sequence number and its
 time, or in a text stream, which has no numbers and no checksum, by its time alone. Any other is set
@@ -35,7 +35,7 @@ WRAPPED_WITHIN = 10.0  # seconds after a wrap within which the next row is looke
 
 @dataclass(frozen=True)
 class Gap:
-    """So many samples are missing between two that are there, at the times after and before [s]."""
+    """Samples missing between two that are there, at the times after and before [s]."""
 
     after: float
     before: float

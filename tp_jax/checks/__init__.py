@@ -1,4 +1,4 @@
-"""Whether recordings can be what they are said to be: units, angles, frequencies, sampling.
+"""Checks that recordings can be what they are said to be: units, angles, frequencies, sampling.
 
     policy                    every threshold, with its unit and reason
     harmonics -> drive        does a run move at its omega; which unit was taken for another

@@ -22,7 +22,7 @@ from tp_jax.recordings.units import ANGLE
 
 @dataclass(frozen=True)
 class Looked:
-    """What the units of angles look like.
+    """Result of a look at the units of angles.
 
     Attributes:
         findings: one for each file, or for a column of all files.
@@ -79,7 +79,7 @@ def look(
 
 
 def scale_of(h: complex, policy: UnitPolicy) -> float | None:
-    """How far H is from 0, over how far it should be in its direction; None: it does not tell."""
+    """Returns |H| over what it should be in its direction; None: it does not tell."""
     if h == 0.0 or h.imag > policy.above * abs(h):
         return None
     right = -h.real / abs(h)
@@ -87,7 +87,7 @@ def scale_of(h: complex, policy: UnitPolicy) -> float | None:
 
 
 def _one_noise(recordings: Sequence[Recording]) -> bool:
-    """Whether phi2 has the same noise in all files, and is in one unit then, known or not."""
+    """True if phi2 has the same noise in all files, and is in one unit then, known or not."""
     levels = [level for level, _ in levels_of(recordings, "phi2").values()]
     return len(levels) == len(recordings) and max(levels) < POLICY.apart * min(levels)
 
@@ -95,7 +95,7 @@ def _one_noise(recordings: Sequence[Recording]) -> bool:
 def _certain(
     recording: Recording, odd: Mapping[str, Odd], scale: float | None, policy: UnitPolicy
 ) -> bool:
-    """Whether noise that is another suffices: somewhat less of it may be that of a body at rest."""
+    """True if noise that is another suffices: somewhat less of it may be that of a body at rest."""
 
     def moves(channel: str) -> bool:
         x = recording.channels[channel]

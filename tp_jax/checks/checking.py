@@ -17,7 +17,7 @@ from tp_jax.recordings.campaign import load_what_can_be
 
 @dataclass(frozen=True)
 class Checked:
-    """What was found.
+    """Result of `check`.
 
     Attributes:
         campaign: of the recordings that can be read; None where there are none.
@@ -31,12 +31,12 @@ class Checked:
 
     @property
     def wrong(self) -> tuple[Finding, ...]:
-        """What is refused."""
+        """Findings that are refused."""
         return tuple(each for each in self.findings if each.level == "wrong")
 
     @property
     def doubtful(self) -> tuple[Finding, ...]:
-        """What is told and used all the same."""
+        """Findings that are reported, while the recordings are used all the same."""
         return tuple(each for each in self.findings if each.level == "doubtful")
 
     def refuse(self) -> None:
@@ -51,7 +51,7 @@ class Checked:
             raise InputError(self.wrong[0].sentence + others)
 
     def to_dict(self) -> dict[str, Any]:
-        """As `tp-jax check --json` writes it."""
+        """Returns it as `tp-jax check --json` writes it."""
         return {
             "schema": "tp-jax/check/1",
             "campaign": None if self.campaign is None else self.campaign.name,

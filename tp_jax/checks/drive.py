@@ -1,4 +1,4 @@
-"""Whether a forced run moves at the frequency of its drive: units of times and frequencies."""
+"""Checks that a forced run moves at its drive's frequency: units of times and frequencies."""
 
 import math
 from collections import defaultdict
@@ -66,7 +66,7 @@ MISTAKES = (
 
 @dataclass(frozen=True)
 class Driven:
-    """What a forced run shows of its drive.
+    """Signs of its drive in a forced run.
 
     Attributes:
         recording: the run.
@@ -90,7 +90,7 @@ def shares(recordings: Sequence[Recording], policy: DrivePolicy) -> list[Driven]
 
 
 def findings(driven: Sequence[Driven], policy: DrivePolicy) -> list[Finding]:
-    """What is wrong or doubtful about frequencies, one finding for runs with the same fault."""
+    """Finds faults and doubts about frequencies, one finding for runs with the same fault."""
     by_mistake: dict[Mistake, list[Driven]] = defaultdict(list)
     found = []
     for each in driven:

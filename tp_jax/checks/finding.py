@@ -1,4 +1,4 @@
-"""What a check finds, and how it is told."""
+"""Findings of a check, and how they are reported."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from typing import Literal, get_args
 Level = Literal["wrong", "doubtful", "mended"]
 
 LEVELS: tuple[Level, ...] = get_args(Level)
-"""In the order in which they are told."""
+"""Levels in the order in which they are reported."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,8 @@ class Finding:
     Attributes:
         kind: what was looked at: "file", "units", "frequency", "rider", "clipped", "sampling",
             "motion", "held", "clock", "read".
-        level: "wrong" is refused, "doubtful" is told, "mended" was mended when the file was read.
+        level: "wrong" is refused, "doubtful" is reported, "mended" was mended when the file was
+            read.
         recordings: labels of those it is about.
         wrong: what it is, as part of a sentence.
         mend: what to write or do.

@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Fit(NamedTuple):
-    """What of a motion is at a frequency and its harmonics.
+    """Part of a motion that is at a frequency and its harmonics.
 
     Attributes:
         share: of the variance, 0 to 1; a straight line is taken off before.

@@ -1,4 +1,4 @@
-"""What decides about recordings: every threshold with its unit and its reason.
+"""Rules that decide about recordings: every threshold with its unit and its reason.
 
 At hand were 85 forced runs of clean virtual rigs and 339 of rough ones, with 50 to 1000 samples a
 second, 2 to 12 recordings and coloured noise; two free decays and a wheel from laboratories.
@@ -9,7 +9,7 @@ import dataclasses
 
 @dataclasses.dataclass(frozen=True)
 class DrivePolicy:
-    """Whether a forced run moves at the frequency that is said.
+    """Thresholds for whether a forced run moves at the frequency that is said.
 
     Attributes:
         part: of a run, at its end, that is looked at: starting up is over in it.
@@ -38,7 +38,7 @@ class DrivePolicy:
 
 @dataclasses.dataclass(frozen=True)
 class RiderPolicy:
-    """Whether phi2 can be the rider's angle against the column.
+    """Thresholds for whether phi2 can be the rider's angle against the column.
 
     A rider that friction drags along has H = phi2/phi1, at the drive's frequency, on the half
     circle |H + 1/2| = 1/2 below the real axis, whatever the law of friction: it takes energy and
@@ -61,7 +61,7 @@ class RiderPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class UnitPolicy:
-    """Whether an angle is in the unit that is said.
+    """Thresholds for whether an angle is in the unit that is said.
 
     Attributes:
         clear: least cosine of the angle between H and the real axis' negative half for the
@@ -85,7 +85,7 @@ class UnitPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class ClipPolicy:
-    """Whether an angle is cut off where the sensor or its converter ends.
+    """Thresholds for whether an angle is cut off where the sensor or its converter ends.
 
     Attributes:
         samples: equal ones in a row, at the greatest or the least angle, that may be a stop.
@@ -101,7 +101,7 @@ class ClipPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class SamplingPolicy:
-    """Whether a recording shows the motion.
+    """Thresholds for whether a recording shows the motion.
 
     Attributes:
         fewest: samples in a period of the drive; with fewer the motion is guessed at.
@@ -128,7 +128,7 @@ class SamplingPolicy:
 
 @dataclasses.dataclass(frozen=True)
 class StartPolicy:
-    """Whether runs begin at times of their own.
+    """Thresholds for whether runs begin at times of their own.
 
     Attributes:
         phase: rad of the drive by which the beginnings of two runs differ.

@@ -40,7 +40,7 @@ Kind = Literal["commanded", "measured", "decay"]
 
 @dataclass(frozen=True)
 class Driven:
-    """How a recording was driven.
+    """Drive of a recording.
 
     Attributes:
         kind: at a commanded frequency, by a drive that the file holds, or not at all.
@@ -53,7 +53,7 @@ class Driven:
 
 @dataclass(frozen=True)
 class Answers:
-    """What a user says of a campaign whose files do not tell it.
+    """Answers of a user about a campaign whose files do not tell them.
 
     Attributes:
         B1: moment of inertia of the column [kg m^2]; None: not known.
@@ -109,7 +109,7 @@ def data_files(folder: Path) -> list[Path]:
 
 
 def may_be_data(name: str) -> bool:
-    """Whether a file of this name may be a recording."""
+    """True if a file of this name may be a recording."""
     return not name.startswith(".") and Path(name).suffix.lower() not in NOT_DATA
 
 
@@ -145,7 +145,7 @@ def written(
 
 
 def guessed(file: Path, seen: Survey) -> Driven:
-    """How a recording seems to have been driven."""
+    """Guesses how a recording was driven."""
     return _guess(file, seen)[0]
 
 
@@ -208,12 +208,12 @@ def _entries(found: Sequence[tuple[Path, Survey]], answered: Mapping[str, Driven
 
 
 def _same(one: Driven, other: Driven) -> bool:
-    """Whether two say the same, to the digits that a campaign.toml gets of a guess."""
+    """True if two say the same, to the digits that a campaign.toml gets of a guess."""
     return one.kind == other.kind and f"{one.omega or 0.0:.6g}" == f"{other.omega or 0.0:.6g}"
 
 
 def _guess(file: Path, seen: Survey) -> tuple[Driven, str]:
-    """How a recording seems to have been driven, and what speaks for it."""
+    """Guesses how a recording was driven, and says what speaks for it."""
     moves = _motion(seen)
     decay = any(word in file.name.lower() for word in _DECAYS)
     if moves is None and not decay:
@@ -237,7 +237,7 @@ class _Motion(NamedTuple):
 
 
 def _motion(seen: Survey) -> _Motion | None:
-    """How the longest part of a run moves whose times rise; None: it is too short."""
+    """Finds how the longest part of a run with rising times moves; None: it is too short."""
     usable = np.isfinite(seen.t) & np.isfinite(seen.phi1)
     t, x = seen.t[usable], seen.phi1[usable]
     part = max(_rising(t), key=lambda each: each.stop - each.start, default=slice(0))

@@ -1,4 +1,4 @@
-"""Whether phi2 is the rider's angle against the column, and in the column's sense."""
+"""Checks that phi2 is the rider's angle against the column, and in the column's sense."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from tp_jax.recordings import Recording, noise_level
 
 @dataclass(frozen=True)
 class Reading:
-    """What phi2 may be instead.
+    """Quantity that phi2 may be instead.
 
     Attributes:
         relative: H of the file to H of the rider against the column.
@@ -48,7 +48,7 @@ READINGS = (
 
 @dataclass(frozen=True)
 class Dragged:
-    """What a run shows of its rider: H = phi2/phi1 at the drive's frequency."""
+    """Response of a run's rider: H = phi2/phi1 at the drive's frequency."""
 
     recording: Recording
     h: complex
@@ -81,7 +81,7 @@ def dragged(
 
 
 def findings(runs: Sequence[Dragged], policy: RiderPolicy) -> list[Finding]:
-    """What phi2 looks like where it cannot be the rider against the column."""
+    """Says what phi2 looks like where it cannot be the rider against the column."""
     if not runs:
         return []
     if _rms([misplaced(run.h) for run in runs]) <= policy.wrong:
@@ -113,7 +113,7 @@ def _rms(values: Sequence[float]) -> float:
 
 
 def _sticks(runs: Sequence[Dragged]) -> bool:
-    """Whether phi2 − phi1 does not move in a run where phi2 does."""
+    """True if phi2 − phi1 does not move in a run where phi2 does."""
     for run in runs:
         t, phi1, phi2 = run.recording.t, run.recording.phi1, run.recording.phi2
         if phi2 is None:

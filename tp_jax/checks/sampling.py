@@ -1,4 +1,4 @@
-"""Whether recordings show the motion: samples, noise, ends of the sensor, decays that decay."""
+"""Checks that recordings show the motion: samples, noise, ends of the sensor, decays that decay."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from tp_jax.recordings.units import TIME
 
 
 def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> list[Finding]:
-    """What is doubtful about one recording; nothing here is certain enough to be refused."""
+    """Finds what is doubtful about one recording; nothing here is certain enough to be refused."""
     label = (recording.label,)
     found = []
 
@@ -103,7 +103,7 @@ def _unit_of_time(recording: Recording, step: float, policy: SamplingPolicy) -> 
 
 
 def stops(angle: np.ndarray, policy: ClipPolicy) -> tuple[int, float]:
-    """How often an angle runs into its greatest or least value and stays there, and that value."""
+    """Counts how often an angle stops at its greatest or least value; also returns that value."""
     steps = np.abs(np.diff(angle))
     quantum = float(steps[steps > 0.0].min(initial=np.inf))
     for sign in (1.0, -1.0):

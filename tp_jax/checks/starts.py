@@ -40,7 +40,7 @@ def findings(recordings: Sequence[Recording], policy: StartPolicy) -> list[Findi
 
 
 def _from_rest(run: Recording, policy: StartPolicy) -> bool:
-    """Whether the column does not yet move in the first part of a period."""
+    """True if the column does not yet move in the first part of a period."""
     part = run.t - run.t[0] < policy.part * 2.0 * np.pi / (run.omega or 1.0)
     if part.sum() < policy.samples:
         return False

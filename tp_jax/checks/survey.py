@@ -1,4 +1,4 @@
-"""What a data file of unknown make holds: its columns, and which of them may be what.
+"""Survey of a data file of unknown make: its columns, and which of them may be what.
 
 Everything here is a guess, written down by `tp-jax init` for the user to correct.
 """
@@ -32,14 +32,14 @@ _WORDS = {
     "phi2": r"phi_?2|φ2|theta_?2|angle_?2|winkel_?2|ang2|enc(oder)?_?2|rider|ring|reiter|disk_?2",
     "drive": r"drive|antrieb|motor\w*|erreger\w*|excit\w*|force|f_?e",
 }
-"""What people call the columns, in the languages that turned up."""
+"""Names that people give the columns, in the languages that turned up."""
 
 _MEND = "leave it out, or export it as CSV"
 
 
 @dataclass(frozen=True)
 class Survey:
-    """What was found in a file.
+    """Result of the survey of a file.
 
     Attributes:
         delimiter, decimal: of a text; None for files of other kinds.
@@ -158,7 +158,7 @@ def _which(names: list[str], columns: dict[int, np.ndarray]) -> dict[str, int]:
 
 
 def _runs_on(x: np.ndarray) -> bool:
-    """Whether a column is like a clock that falls or stands still now and then."""
+    """True if a column is like a clock that falls or stands still now and then."""
     steps = np.diff(x)
     falls, usual = np.mean(steps < 0.0), clocks.usual_step(x)
     return bool(x.size > 1 and falls < 0.01 and np.mean(steps[steps > 0.0] < 2.0 * usual) > 0.9)

@@ -75,7 +75,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     collect_less()
     try:
         args = build_parser().parse_args(argv)
-    except SystemExit as done:  # --help, --version, or a fault that argparse has told already
+    except SystemExit as done:  # --help, --version, or a fault that argparse has reported already
         return int(done.code or 0)
     try:
         with only_notices(debug=args.debug):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 10_000_000
 
 BYTES_PER_SAMPLE = 600
-"""Of memory that a simulated run takes at its peak, the text of its file included."""
+"""Bytes of memory that a simulated run takes per sample at its peak, its file's text included."""
 
 LONGEST_RUN = 1e7
 """Seconds of a run: four months."""
@@ -307,7 +307,7 @@ def add_executor(parser: argparse._ActionsContainer) -> None:
 
 
 def executor_of(args: argparse.Namespace) -> ExecutorChoice:
-    """What `add_executor`'s arguments ask for."""
+    """Returns what `add_executor`'s arguments ask for."""
     return ExecutorChoice(args.executor, args.workers)
 
 
@@ -318,7 +318,7 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 
 def add_parent(parser: argparse.ArgumentParser) -> None:
-    """For another program that runs the command: it ends with that program."""
+    """Adds an option for another program that runs the command: it ends with that program."""
     parser.add_argument(
         "--until-stdin-closes", action="store_true",
         help="end when standard input does: with the program that started this one",

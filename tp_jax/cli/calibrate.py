@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from tp_jax.recordings.calibration_run import Run
 
 LAWS = ("line", "sine", "sine_cosine")
-"""As in `tp_jax.recordings.calibration`, which would bring NumPy; a test holds them together."""
+"""Laws of `tp_jax.recordings.calibration`, which would bring NumPy; a test holds them together."""
 
 SCHEMA = "tp-jax/calibration/1"
 
@@ -76,7 +76,7 @@ def run(args: argparse.Namespace) -> None:
 
 
 def summary(name: str, sensor: "SensorCalibration", run: "Run") -> str:
-    """What a calibration says of one sensor, in a few lines."""
+    """Sums up the calibration of one sensor, in a few lines."""
     import numpy as np
 
     from tp_jax.recordings.calibration_run import follows_the_angle

@@ -109,7 +109,7 @@ def run(args: argparse.Namespace) -> int:
         return fleet.run(args, campaigns)
     if args.shared:
         raise InputError("--shared asks a fleet; give several campaigns, or a folder of them.")
-    if args.out is not None:  # before what the recordings look like is told
+    if args.out is not None:  # before what the recordings look like is reported
         ready(Path(args.out) / REPORT, args.json)
     campaign = load(args, args.campaign[0] if args.campaign else EXAMPLE)
     folder = default_folder(campaign.name) if args.out is None else Path(args.out)

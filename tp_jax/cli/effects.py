@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> None:
 
 
 def told(effect: "Effect") -> dict[str, Any]:
-    """What there is to say of an effect, by name."""
+    """Returns what there is to say of an effect, by name."""
     from tp_jax.report.words import clause
 
     return {

@@ -186,7 +186,7 @@ def _diagnoser(args: argparse.Namespace, limits: "Limits") -> "Callable[[Path], 
 
 
 def _what_the_rig_does(args: argparse.Namespace) -> tuple[bool, bool]:
-    """Whether the rig can be driven at a frequency that is known, and sets it when told to.
+    """Says whether the rig can be driven at a frequency that is known, and sets it when told to.
 
     A stream of text takes no commands: whoever sets the motor is told what to set. A rig of frames
     that has no motor records decays.

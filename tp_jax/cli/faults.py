@@ -1,4 +1,4 @@
-"""What the user is told when a command fails, and the exit code."""
+"""Messages to the user when a command fails, and the exit code."""
 
 import errno
 import sys
@@ -11,7 +11,7 @@ OF_THE_SYSTEM = {
     for name in ("ENAMETOOLONG", "ELOOP", "ENOSPC", "EDQUOT", "EROFS", "EFBIG")
     if hasattr(errno, name)
 }
-"""What a file system may refuse anywhere, and nobody but the user can mend."""
+"""Refusals of a file system that may come anywhere, and that nobody but the user can mend."""
 
 
 def explain(fault: Exception, *, debug: bool) -> int:

@@ -27,7 +27,7 @@ from tp_jax.executors.slurm_jobs import LOGS
 TABLE, CSV, PARQUET, PAGE = "fleet.json", "fleet.csv", "fleet.parquet", "fleet.html"
 
 NAME = "fleet"
-"""Of campaigns that are named one by one; those of a folder bear its name."""
+"""Name of a fleet whose campaigns are named one by one; that of a folder bears its name."""
 
 LONGEST_NAME = 100
 """Characters of a rig's name, which names a folder and a file."""
@@ -75,7 +75,7 @@ def _inside(folder: str) -> list[Path]:
 
 
 def fleet_name(given: Sequence[str]) -> str:
-    """Of the folder that holds the campaigns, if one was given."""
+    """Names a fleet by the folder that holds the campaigns, if one was given."""
     return _text(Path(os.path.abspath(given[0])).name) or NAME if len(given) == 1 else NAME
 
 
@@ -98,7 +98,7 @@ def names_of(campaigns: Sequence[Path]) -> list[str]:
 
 
 def diagnose_rig(rig: Rig) -> dict[str, Any]:
-    """In a worker: diagnoses a rig into its folder; its row.
+    """Diagnoses a rig into its folder, in a worker; returns its row.
 
     Where fits are there, of a worker that died or of a fleet that was broken off, it goes on from
     them.
@@ -129,7 +129,7 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
 
 
 WORK = diagnose_rig
-"""What is done of a rig; tests put something quicker here."""
+"""Work that is done on a rig; tests put something quicker here."""
 
 
 def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
@@ -185,7 +185,7 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
 
 
 def _shared(rigs: Sequence[Rig], rows: Sequence[Mapping[str, Any]], seed: int) -> dict[str, Any]:
-    """What the rigs share, of the scores that their diagnoses left."""
+    """Finds what the rigs share, from the scores that their diagnoses left."""
     from tp_jax.gap.shared.scores import read
     from tp_jax.gap.shared.table import shared_table
     from tp_jax.report.fleet.rows import FAILED
@@ -197,7 +197,7 @@ def _shared(rigs: Sequence[Rig], rows: Sequence[Mapping[str, Any]], seed: int) -
 
 
 def _ended(args: argparse.Namespace, folder: Path, pieces: Sequence[Piece]) -> list[Ended]:
-    """All rigs, as they ended; progress is told over all of them."""
+    """All rigs, as they ended; progress is reported over all of them."""
     from tp_jax.cli.progress import shown
 
     made_folder(folder)
@@ -234,7 +234,7 @@ def _text(text: str) -> str:
 
 
 def _sentence(ended: Ended) -> str:
-    """As `faults.explain` says it."""
+    """Puts a fault in a sentence, as `faults.explain` does."""
     fault = ended.fault
     assert fault is not None
     if fault.of_input:

@@ -32,7 +32,7 @@ METHODS = (
 OBJECTIVES = ("windows", "free-run")
 LOSSES = ("linear", "huber", "soft-l1", "cauchy")
 SAMPLINGS = ("sobol", "latin-hypercube")
-"""As in `tp_jax.estimation`, which would bring JAX with it; a test holds the two together."""
+"""Samplings of `tp_jax.estimation`, which would bring JAX with it; a test holds both together."""
 
 STARTS = "starts.json"
 
@@ -115,7 +115,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def folder_of(args: argparse.Namespace, name: str) -> Path:
-    """Where the starts of a campaign are kept."""
+    """Names the folder in which the starts of a campaign are kept."""
     if args.out is not None:
         return Path(args.out)
     return Path(f"{default_folder(name).name.removesuffix('diagnosis')}identification")
@@ -123,7 +123,7 @@ def folder_of(args: argparse.Namespace, name: str) -> Path:
 
 def run(args: argparse.Namespace) -> None:
     fix, bound = named(args.fix, "--fix"), named(args.bound, "--bound")
-    ready(args.json)  # told before the work rather than after it
+    ready(args.json)  # reported before the work rather than after it
     campaign = load(args, args.campaign)
     check_parameters(campaign, fix, bound)
     folder = folder_of(args, campaign.name)
@@ -160,7 +160,7 @@ def run(args: argparse.Namespace) -> None:
 
 
 def _options(args: argparse.Namespace) -> dict[str, Any]:
-    """What was asked for beyond the usual."""
+    """Collects what was asked for beyond the usual."""
     options: dict[str, Any] = {}
     if args.starts is not None:
         options["starts"] = args.starts

@@ -1,4 +1,4 @@
-"""What a recording is at, on a terminal: its counts, and a small plot of the last seconds."""
+"""State of a recording, on a terminal: its counts, and a small plot of the last seconds."""
 
 import sys
 from collections.abc import Iterator

@@ -90,7 +90,7 @@ def ready(*targets: str | Path | None, overwrite: bool | None = None) -> None:
 
 
 def is_recording(path: Path) -> bool:
-    """Whether a file has metadata beside it, or a campaign.toml that lists it."""
+    """True if a file has metadata beside it, or a campaign.toml that lists it."""
     if metadata_path(path).exists():
         return True
     if not path.is_file():
@@ -135,7 +135,7 @@ def write_text(target: str | Path, text: str) -> None:
 
 
 def write_json(target: str | Path, result: Mapping[str, Any]) -> None:
-    """To a file, or to standard output where the target is `-`."""
+    """Writes to a file, or to standard output where the target is `-`."""
     text = json_text(result)
     if str(target) == STANDARD_OUTPUT:
         sys.stdout.write(text)

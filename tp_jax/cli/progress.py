@@ -23,11 +23,11 @@ FORMS = ("auto", "plain", "json", "none")
 
 @dataclass(frozen=True)
 class Pace:
-    """How often lines are written, and from when on the time left is told.
+    """Pace at which lines are written, and from when on the time left is reported.
 
     Attributes:
         plain_s: seconds between two lines of text, at least: a log is to stay readable.
-        json_s: seconds between two objects of one stage, at least; a new stage is told at once.
+        json_s: seconds between two objects of one stage, at least; a new one is reported at once.
         known_s: seconds of a stage from which on its speed says how long the rest takes.
     """
 
@@ -41,7 +41,7 @@ PACE = Pace()
 
 @dataclass(frozen=True)
 class State:
-    """What a computation is at.
+    """State of a computation.
 
     Attributes:
         stage: in words. part: of the stage, from 0 to 1, or None where that is not known.
@@ -153,7 +153,7 @@ def _bars() -> Iterator[Progress]:
     from rich.text import Text
 
     class CompilingColumn(ProgressColumn):
-        """Why nothing seems to happen on a first run."""
+        """Column that says why nothing seems to happen on a first run."""
 
         max_refresh = 0.5
 

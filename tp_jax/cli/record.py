@@ -84,7 +84,7 @@ def add_port(parser: argparse.ArgumentParser) -> None:
 
 
 def add_line(parser: argparse.ArgumentParser) -> None:
-    """How the rig at the port is spoken to; `tp-jax explore` takes the same."""
+    """Adds arguments on how the rig at the port is spoken to; `tp-jax explore` takes the same."""
     parser.add_argument(
         "--amplitude",
         metavar="A",
@@ -115,7 +115,7 @@ def run_record(args: argparse.Namespace) -> None:
     if args.port != EMULATOR:
         check_no_rig(args)
     settings = settings_of(args, omega=args.omega, release=args.release)
-    # all that can be wrong is told before the rig moves
+    # all that can be wrong is reported before the rig moves
     ready(args.json)
     if args.campaign is None:
         out, folder = Path(args.out), None
@@ -195,7 +195,7 @@ def recorded_at(args: argparse.Namespace, out: Path, settings: "Settings") -> "R
 
 
 def summary(recorded: "Recorded") -> str:
-    """What was recorded, in a line or three."""
+    """Sums up what was recorded, in a line or three."""
     meta = recorded.metadata
     samples, frames, clock = meta["samples"], meta["frames"], meta["clock"]
     kind = "frames" if meta["stream"] == "frames" else "lines"
@@ -260,7 +260,7 @@ def _port(args: argparse.Namespace) -> Iterator[str]:
 
 
 def check_no_rig(args: argparse.Namespace) -> None:
-    """Nothing may be said of the virtual rig where a real one is recorded: it would not be so."""
+    """Refuses arguments of the virtual rig where a real one is recorded: it would not be so."""
     parser = argparse.ArgumentParser()
     add_rig(parser)
     for name, usual in vars(parser.parse_args([])).items():

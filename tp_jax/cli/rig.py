@@ -57,7 +57,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def add_rig(parser: argparse.ArgumentParser) -> None:
-    """What the virtual rig is like; `tp-jax record --port emulator` takes the same."""
+    """Adds arguments of the virtual rig; `tp-jax record --port emulator` takes the same."""
     group = parser.add_argument_group("the virtual rig")
     group.add_argument(
         "--effect",

@@ -20,7 +20,7 @@ from tp_jax.cli.output import made_folder, plain, ready, write_json
 
 MODELS = ("newton", "paper")
 MOST_SPREAD = 100.0
-"""As in `tp_jax.model.plausible`, which would bring NumPy; a test holds the two together."""
+"""Limit of `tp_jax.model.plausible`, which would bring NumPy; a test holds the two together."""
 
 MOST_SAMPLES = 2**16
 

@@ -16,13 +16,13 @@ from tp_jax.cli.output import ready, replaced, write_trajectory
 from tp_jax.errors import InputError
 
 PRESETS = ("paper-5.1", "paper-5.1-start", "bench")
-"""As in `tp_jax.model.presets`, which would bring JAX with it; a test holds the two together."""
+"""Presets of `tp_jax.model.presets`, which would bring JAX with it; a test holds both together."""
 
 COLUMN = ("B1", "k", "A", "omega", "c1", "M1", "eps", "phase")
 """Numbers of a column; as the arguments of `presets.single_pendulum`."""
 
 RIDER = ("B2", "Tv", "Ts1", "Ts2", "Tst", "T0", "reaction")
-"""What a rider adds to them."""
+"""Numbers that a rider adds to them."""
 
 _ABOVE_ZERO = ("B1", "B2", "eps")
 _ANY_SIGN = ("phase", "reaction", "A")
@@ -105,7 +105,7 @@ def run(args: argparse.Namespace) -> None:
 
 
 def _numbers(args: argparse.Namespace) -> dict[str, float]:
-    """What --set gives.
+    """Reads the numbers that --set gives.
 
     Raises:
         InputError: a name that is none, or a value that cannot be.

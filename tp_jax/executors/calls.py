@@ -1,4 +1,4 @@
-"""What travels to a worker, and how it is carried out there.
+"""Calls as they travel to a worker, and how they are carried out there.
 
 Executors differ in how they pickle, and in what their workers can import. So a call travels as
 bytes, with the folders that this process imports from, and the worker unpickles it.
@@ -25,7 +25,7 @@ SCHEMA = "tp-jax/piece/1"
 
 @dataclass(frozen=True)
 class Fault:
-    """Why a piece could not be done.
+    """Reason why a piece could not be done.
 
     Attributes:
         kind: name of the exception's type. text: what it says, on one line.
@@ -73,7 +73,7 @@ class Call:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What comes back of a call: a result, or a fault of the work itself."""
+    """Answer to a call: a result, or a fault of the work itself."""
 
     result: Any = None
     fault: Fault | None = None
@@ -91,7 +91,7 @@ def pickled(work: Callable[..., Any], arguments: tuple) -> bytes:
 
 
 def carry_out(call: Call) -> Outcome:
-    """In a worker: does the work, and writes the result where it is to be kept.
+    """Does the work, in a worker, and writes the result where it is to be kept.
 
     A fault of the work comes back as one, so that an exception of the future says that the worker
     is lost.
@@ -121,7 +121,7 @@ def carry_out(call: Call) -> Outcome:
 
 
 def kept_result(file: Path, key: str, of: str) -> Outcome | None:
-    """What a file keeps of a piece; one that is spoiled or of something else keeps nothing."""
+    """Reads what a file keeps of a piece; one spoiled or of something else keeps nothing."""
     try:
         kept = json.loads(file.read_text(encoding="utf-8"))
         if (kept["schema"], kept["key"], kept["of"]) != (SCHEMA, key, of):
@@ -133,7 +133,7 @@ def kept_result(file: Path, key: str, of: str) -> Outcome | None:
 
 @functools.cache  # once in a process
 def _prepare_jax() -> None:
-    """As the command line does, before anything is compiled."""
+    """Prepares JAX as the command line does, before anything is compiled."""
     collect_less()
     compile_small_loops()
     enable_compilation_cache()

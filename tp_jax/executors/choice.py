@@ -1,4 +1,4 @@
-"""Which executor was asked for, and how many pieces it has in hand."""
+"""Choice of an executor, and of how many pieces it has in hand."""
 
 from collections.abc import Iterator
 from concurrent.futures import Executor

@@ -18,7 +18,7 @@ from tp_jax.executors.workers import Workers, ended
 
 @contextmanager
 def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Executor]:
-    """So many processes; where the block ends by an exception they are killed."""
+    """Opens so many processes; where the block ends by an exception they are killed."""
     with ended(Workers(LocalProcess, workers, pieces_per_worker)) as executor:
         yield executor
 
@@ -48,7 +48,7 @@ class LocalProcess:
 
 
 def _begin() -> None:
-    """In the process: an interrupt is for the one that started it, and it ends with that one."""
+    """Begins a process: an interrupt is for the one that started it, and it ends with that one."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, name="tp-jax-parent", daemon=True).start()
 

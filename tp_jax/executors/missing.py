@@ -1,4 +1,4 @@
-"""What is said where an executor's package is not installed."""
+"""Message where an executor's package is not installed."""
 
 from tp_jax.errors import InputError
 

@@ -23,7 +23,7 @@ MOST_DEATHS = 5
 that kills, seldom strikes the same piece so often; a piece that takes all memory always does."""
 
 FOLDER = "pieces"
-"""Of the results, in the folder of a study."""
+"""Folder of the results, in the folder of a study."""
 
 _KEY = re.compile(r"[\w+=-][\w.+=-]{0,199}")
 
@@ -128,7 +128,7 @@ def run_pieces(
 
 
 def done_before(folder: Path, pieces: Sequence[Piece]) -> list[Piece]:
-    """Those whose results are kept in the folder."""
+    """Returns the pieces whose results are kept in the folder."""
     return [piece for piece in pieces if _read(folder, piece) is not None]
 
 
@@ -149,7 +149,7 @@ def _call(work: Callable[..., Any], piece: Piece, folder: Path | None, uses_jax:
 def _outcome(
     future: "Future[Outcome]", folder: Path | None, piece: Piece
 ) -> Outcome | BaseException:
-    """What came back of a piece, or the exception by which its worker was lost."""
+    """Returns what came back of a piece, or the exception by which its worker was lost."""
     lost = CancelledPiece() if future.cancelled() else future.exception()
     if lost is None:
         return future.result()

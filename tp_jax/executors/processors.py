@@ -31,7 +31,7 @@ def take_one() -> None:
 
 
 def _taken(processor: int) -> bool:
-    """Whether the processor was free and is this process's from now on."""
+    """True if the processor was free and is this process's from now on."""
     name = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     try:
         name.bind(f"\0tp-jax/{os.getuid()}/processor-{processor}")

@@ -20,12 +20,12 @@ kilobytes, and Ray would reserve a third of the machine."""
 
 @contextmanager
 def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Executor]:
-    """So many actors of one processor each.
+    """Opens so many actors of one processor each.
 
     Raises:
         InputError: Ray is not installed.
     """
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # nothing is told to anybody
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # nothing is reported to anybody
     try:
         import ray
     except ImportError as fault:
@@ -46,7 +46,7 @@ def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Execu
 
 
 class Caller:
-    """What an actor is made of."""
+    """Class that an actor is made of."""
 
     def call(self, work: Callable[..., Any], arguments: tuple) -> Any:
         return work(*arguments)

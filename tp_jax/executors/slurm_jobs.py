@@ -15,10 +15,10 @@ from tp_jax.executors.missing import missing
 from tp_jax.executors.workers import ended
 
 CLUSTER = "slurm"
-"""Of submitit; its own `local` needs no cluster."""
+"""Name of the cluster for submitit; its own `local` needs no cluster."""
 
 MINUTES = 24 * 60
-"""Of a job at most: a diagnosis takes minutes, a large one hours."""
+"""Minutes of a job at most: a diagnosis takes minutes, a large one hours."""
 
 LOGS = "jobs"
 """Folder of the jobs' logs and pickles, in the folder of the study or here."""

@@ -30,7 +30,7 @@ class Worker(Protocol):
         ...
 
     def lost(self, fault: BaseException) -> bool:
-        """Whether the fault says that the worker is dead, rather than that its work failed."""
+        """True if the fault says that the worker is dead, rather than that its work failed."""
         ...
 
     def end(self, *, at_once: bool) -> None:
@@ -39,7 +39,7 @@ class Worker(Protocol):
 
 
 class Workers(Executor):
-    """So many workers; a piece goes to the one with the least in hand."""
+    """Executor of so many workers; a piece goes to the one with the least in hand."""
 
     def __init__(
         self, make: Callable[[], Worker], count: int, pieces_per_worker: int | None = None
@@ -62,7 +62,7 @@ class Workers(Executor):
 
 
 class _Place:
-    """Where one worker is at a time."""
+    """Place of one worker at a time."""
 
     def __init__(self, make: Callable[[], Worker], pieces_per_worker: int | None) -> None:
         self._make, self._last = make, pieces_per_worker

@@ -37,7 +37,7 @@ Diagnose = Callable[[Path], Finding]
 
 @dataclasses.dataclass(frozen=True)
 class Explored:
-    """How an exploration ended.
+    """Result of an exploration.
 
     Attributes:
         campaign: name of the folder. runs: those it made. finding: of the last diagnosis.
@@ -50,7 +50,7 @@ class Explored:
     stop: Stop
 
     def to_dict(self) -> dict[str, Any]:
-        """As `tp-jax explore --json` writes it."""
+        """Returns it as `tp-jax explore --json` writes it."""
         return {
             "schema": SCHEMA,
             "campaign": self.campaign,
@@ -205,7 +205,7 @@ def _recorded(folder: Path, record: Record, planned: Made) -> None:
 
 
 def _made_run(folder: Path, entry: dict[str, Any]) -> Run:
-    """What a recording of the campaign was asked to be."""
+    """Returns what a recording of the campaign was asked to be."""
     if isinstance(entry.get("omega"), int | float) and entry.get("forced", True):
         return Run(omega=float(entry["omega"]))
     drive = _metadata(folder, entry).get("drive")
@@ -214,7 +214,7 @@ def _made_run(folder: Path, entry: dict[str, Any]) -> Run:
 
 
 def _metadata(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
-    """What is known of a recording; nothing where nobody wrote it down."""
+    """Reads what is known of a recording; nothing where nobody wrote it down."""
     try:
         content = json.loads(bytes_of(metadata_path(folder / str(entry.get("file")))))
     except (OSError, ValueError, RecursionError):

@@ -1,4 +1,4 @@
-"""What an exploration knows between two runs: explore.json beside the recordings.
+"""State of an exploration between two runs: explore.json beside the recordings.
 
 The file is replaced at once and whole. It is written before a run is recorded, with the run and its
 file, and after every diagnosis. So a program that is killed has lost the run it was recording, or

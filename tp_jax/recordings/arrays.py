@@ -1,4 +1,4 @@
-"""What recordings and campaigns hold, from arrays: no file is needed."""
+"""Contents of recordings and campaigns, from arrays: no file is needed."""
 
 import hashlib
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""How far the calibration may have put the angles of a recording off.
+"""Errors that the calibration may have put into the angles of a recording.
 
 An angle read with a calibration that is wrong is wrong in the same way at every sample of that
 angle. That is no noise: it does not average out, and it can look like an effect. It is known as a
@@ -62,7 +62,7 @@ class CalibrationError:
 
 
 def read_calibration_error(recording: Path) -> dict[str, CalibrationError]:
-    """What FILE.csv.meta.json says of the calibration: channel -> its error.
+    """Reads what FILE.csv.meta.json says of the calibration: channel -> its error.
 
     Empty where there is no such file, where it is not that of a recording, or where it names no
     error.

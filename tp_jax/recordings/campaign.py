@@ -98,7 +98,7 @@ class Campaign:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was done to the rows when files were read, each once; a sentence without its end."""
+        """Notes on what reading files did to the rows, each once; a sentence without its end."""
         return tuple(dict.fromkeys(note for each in self.recordings for note in each.notes))
 
     @property
@@ -133,7 +133,7 @@ def load_campaign(
 def load_what_can_be(
     path: str | os.PathLike[str], *, omega: float | None = None, decay: bool = False
 ) -> tuple[Campaign | None, list[CampaignError]]:
-    """As `load_campaign`, but with all faults at once.
+    """Loads a campaign as `load_campaign` does, but with all faults at once.
 
     Returns:
         The campaign of the recordings that are without fault, None where there are none, and the

@@ -1,4 +1,4 @@
-"""Whether the data of a recording can be what they are said to be."""
+"""Checks whether the data of a recording can be what they are said to be."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -230,7 +230,7 @@ def _check_finite(columns: Columns, name: str, begin: int, end: int) -> None:
 
 
 def odd_ones(recordings: Sequence[RecordedRun]) -> dict[str, dict[str, Odd]] | None:
-    """As `odd_units`, where phi1 of some recordings, and not of all, is too wide for radians."""
+    """Returns `odd_units` where phi1 of some recordings, not of all, is too wide for radians."""
     wide = [_too_wide(each) for each in recordings]
     return odd_units(recordings) if any(wide) and not all(wide) else None
 

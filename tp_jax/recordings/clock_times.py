@@ -11,7 +11,7 @@ _DAY = 86400.0
 
 
 def is_date_or_clock(cell: str) -> bool:
-    """Whether a cell reads as a date with a time, or as the time of a day."""
+    """True if a cell reads as a date with a time, or as the time of a day."""
     return _seconds(cell) is not None
 
 

@@ -22,7 +22,7 @@ PERIODS = (
     86400.0,
     86400e3,
 )
-"""After how many of a file's own units clocks start anew.
+"""Periods after which clocks start anew, in a file's own units.
 
 Counters of so many bits, as they are or as their microseconds are written in milliseconds or
 seconds, and the seconds and milliseconds of a day.
@@ -78,7 +78,7 @@ def unit_of_step(step: float) -> str | None:
 
 
 def period_of(cells: np.ndarray) -> float | None:
-    """After how many of its own units a counter starts anew; None where the first fall is none."""
+    """Finds the period of a counter, in its own units; None where the first fall is none."""
     cells = cells[np.isfinite(cells)]
     falls = np.flatnonzero(np.diff(cells) < 0.0)
     if not falls.size:
@@ -117,7 +117,7 @@ def without_hours(t: np.ndarray, dated: bool) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fall_of(t: np.ndarray, dated: bool, period: float | None) -> Fall | None:
-    """Why times do not rise; None where they do.
+    """Finds why times do not rise; None where they do.
 
     Args:
         t: (n,) finite times [s].
@@ -147,7 +147,7 @@ def fall_of(t: np.ndarray, dated: bool, period: float | None) -> Fall | None:
 
 
 def _fits(step: np.ndarray, period: float, usual: float) -> np.ndarray:
-    """Whether the steps that are left, once a period is added, are those of a run that goes on."""
+    """True where the steps left, once a period is added, are those of a run that goes on."""
     return (step > 0.0) & (step <= max(LONGEST_STEP * usual, GAP_AT_WRAP * period))
 
 
@@ -166,7 +166,7 @@ def _hours(t: np.ndarray, dated: bool) -> np.ndarray:
 
 
 def _bad_row(t: np.ndarray, i: int) -> int | None:
-    """Which row is to go for the times about the fall to row i to rise; None: neither does it."""
+    """Finds the row to drop for times about the fall to row i to rise; None: neither does it."""
     if i + 1 == t.size or t[i + 1] > t[i - 1]:
         return i
     return i - 1 if i < 2 or t[i] > t[i - 2] else None

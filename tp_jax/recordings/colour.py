@@ -50,7 +50,7 @@ class Colour:
 
     @property
     def is_white(self) -> bool:
-        """Whether neighbouring samples are uncorrelated."""
+        """True if neighbouring samples are uncorrelated."""
         return self.neighbours == 0.0
 
     @property

@@ -17,7 +17,7 @@ MAP = " or say where it is under [format.columns] in campaign.toml, which `tp-ja
 
 @dataclass(frozen=True)
 class Columns:
-    """What was read from a file.
+    """Columns that were read from a file.
 
     Attributes:
         file: the file.
@@ -46,7 +46,7 @@ class Columns:
     thinned: bool = False
 
     def advice(self, changes: Mapping[str, Mapping[str, Any]], alone: bool = False) -> str:
-        """What to write in a campaign.toml for columns to be read with other settings.
+        """Says what to write in a campaign.toml for columns to be read with other settings.
 
         Args:
             changes: name of a column -> its settings.

@@ -12,12 +12,12 @@ _USUAL_PERIODS = (
     2.0 * math.pi, math.pi, 360.0, 180.0, 400.0, 1.0, 1000.0,
     *(2.0**bits for bits in range(8, 25)), *(10.0**n for n in range(4, 7)), 3600.0, 36000.0,
 )  # fmt: skip
-"""What sensors start anew after: a turn in radians, degrees, gons or turns, or counts."""
+"""Periods after which sensors start anew: a turn in radians, degrees, gons or turns, or counts."""
 
 
 @dataclass(frozen=True)
 class WrapPolicy:
-    """When leaps of an angle are taken for a reading that starts anew.
+    """Conditions under which leaps of an angle are taken for a reading that starts anew.
 
     Attributes:
         leap: of the angle's whole span that a leap must be at least; a motion that is sampled six
@@ -89,5 +89,5 @@ def leaps(t: np.ndarray, angle: np.ndarray, policy: WrapPolicy | None = None) ->
 
 
 def whole_numbers(angle: np.ndarray) -> bool:
-    """Whether all readings are whole numbers, and not just a few of them: counts of an encoder."""
+    """True if all readings are whole numbers, and not just a few of them: counts of an encoder."""
     return bool(np.all(angle == np.rint(angle))) and np.unique(angle).size > 20

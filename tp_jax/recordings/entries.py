@@ -1,4 +1,4 @@
-"""What a campaign.toml says, before any data file is read."""
+"""Contents of a campaign.toml, before any data file is read."""
 
 import math
 import os
@@ -17,7 +17,7 @@ Model = Literal["double", "single"]
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a parameter beforehand.
+    """Prior knowledge of a parameter.
 
     Attributes:
         value: in the parameter's unit.
@@ -102,7 +102,7 @@ def read_plan(file: Path) -> Plan:
 
 
 def _check_scale(rig: Section) -> None:
-    """Without B1 the model's torques are per unit of it, and a number in SI units is not."""
+    """Faults B2 and k without B1: torques are per unit of it then, and numbers in SI are not."""
     for key in ("B2", "k"):
         if key in rig.values and "B1" not in rig.values:
             rig.fault(

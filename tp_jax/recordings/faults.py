@@ -35,7 +35,7 @@ def listed(names: Iterable[str], most: int = 8) -> str:
 
 
 def in_rows(lines: Sequence[int], most: int = 12) -> str:
-    """Which lines share a fault, to be put behind it: ", in 3 rows, lines 5, 9, 12"; one: ""."""
+    """Lists lines with a fault, to be put behind it: ", in 3 rows, lines 5, 9, 12"; one: ""."""
     if len(lines) == 1:
         return ""
     told = ", ".join(map(str, lines[:most])) + (", ..." if len(lines) > most else "")
@@ -55,5 +55,5 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def reason(error: OSError) -> str:
-    """Why the system would not read a file, in its own words, as part of a sentence."""
+    """Says why the system would not read a file, in its own words, as part of a sentence."""
     return (error.strerror or type(error).__name__).lower()

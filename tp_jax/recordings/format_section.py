@@ -8,7 +8,7 @@ from tp_jax.recordings.sources import NAMES, REQUIRED, ColumnSource, FileFormat
 
 
 def read_format(section: Section | None) -> FileFormat:
-    """What [format] says.
+    """Reads the section [format].
 
     Raises:
         CampaignError: it says something that cannot be.
@@ -133,7 +133,7 @@ def _unit(columns: Section, section: Section, name: str) -> str | None:
 
 
 def _wrap(section: Section, name: str) -> float | bool | None:
-    """After how many of the cell's units a reading starts anew; True: it is to be found out."""
+    """Reads after how many of its units a reading starts anew; True: it is to be found out."""
     value = section.values.get("wrap")
     if value is None or value is False:
         return None

@@ -14,7 +14,7 @@ from tp_jax.recordings.short import short_fields
 
 @dataclass(frozen=True)
 class HeldPolicy:
-    """When repeated readings are taken for held ones.
+    """Conditions under which repeated readings are taken for held ones.
 
     Attributes:
         repeated: share of the rows that repeat a reading, at least; 245 readings a second written
@@ -25,8 +25,9 @@ class HeldPolicy:
         strays: share of new readings that may lie beside it.
         wide: rows to a reading from which a sensor's clock may drift, as long as each reading
             lasts as long as the others but for a row.
-        chance: share of repeated readings beside those that are held, at most, where a coarse
-            sensor repeats some by chance; where it turns round, neighbours are repeated alike.
+        chance: share of repeated readings in addition to those that are held, at most, where a
+            coarse sensor repeats some by chance; where it turns round, neighbours are repeated
+            alike.
         speed: of the motion about repeated rows, over that elsewhere, at least; about its turning
             points a coarse sensor repeats its readings, and evenly where the motion is.
         quanta: steps of a coarse sensor that turns slowly are of one quantum; held ones are larger
@@ -76,7 +77,7 @@ class Held:
 
 
 def held(x: np.ndarray, policy: HeldPolicy = POLICY) -> Held | None:
-    """How the readings of a channel were held; None where they were not.
+    """Finds how the readings of a channel were held; None where they were not.
 
     Args:
         x: (n,) readings.
@@ -110,7 +111,7 @@ def held(x: np.ndarray, policy: HeldPolicy = POLICY) -> Held | None:
 
 
 def _as_fast(x: np.ndarray, same: np.ndarray, policy: HeldPolicy) -> bool:
-    """Whether it moves on about the rows that repeat as it does about others."""
+    """True if the readings move on about the rows that repeat as they do about others."""
     way = np.abs(x[3:] - x[:-3])
     return float(np.median(way[same[1:-1]])) >= policy.speed * float(np.median(way))
 
@@ -128,7 +129,7 @@ def _even(rows: float, early: float, x: np.ndarray) -> Held:
 
 
 def _few_repeated(x: np.ndarray, policy: HeldPolicy) -> Held | None:
-    """As `held`, of a coarse sensor with fewer than two rows to a reading.
+    """Does what `held` does, for a coarse sensor with fewer than two rows to a reading.
 
     Not the new readings but the repeated rows are far and evenly apart then; others, that are
     equal by chance, lie in between.

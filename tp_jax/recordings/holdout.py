@@ -1,4 +1,4 @@
-"""Which data are never fitted, where a campaign does not say."""
+"""Choice of the data that are never fitted, where a campaign does not say."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from tp_jax.recordings.noise import noise_level
 from tp_jax.recordings.recording import Recording
 
 FITTED_SHARE = 0.7
-"""Of a recording that is cut in two, where there are too few to hold out a whole one."""
+"""Fitted share of a recording cut in two, where there are too few to hold out a whole one."""
 
 _AT_REST = 10.0
 """Noise levels around its final angle within which a pendulum counts as at rest."""

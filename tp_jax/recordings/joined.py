@@ -13,7 +13,7 @@ from tp_jax.recordings.sources import NAMES
 from tp_jax.recordings.units import parted
 
 _WORD = re.compile(r"[A-DF-SU-YÀ-ža-df-yΑ-ω°µ%\"]")
-"""What a row of names has, and numbers and dates have not."""
+"""Characters that a row of names has, and numbers and dates have not."""
 
 _NAME = re.compile(r"[^\W\d][\w .-]*(?:[\[(/].*)?")
 """A name of a column, with or without its unit."""
@@ -92,12 +92,12 @@ def _groups(lines: Lines, layout: Layout) -> list[list[int]]:
 
 
 def _partly(cells: list[str], layout: Layout) -> bool:
-    """Whether a number is missing in a column of them, as in a title with a number in it."""
+    """True if a number is missing in a column of them, as in a title with a number in it."""
     return not all(j < len(cells) and is_number(cells[j], layout.decimal) for j in layout.numeric)
 
 
 def _names(lines: Lines, layout: Layout, i: int) -> bool:
-    """Whether a row holds names of columns."""
+    """True if a row holds names of columns."""
     cells = _told(_cells(lines, layout, i))
     filled = [cell for cell in cells if cell]
     if len(filled) < 2 or any(is_number(cell, layout.decimal) for cell in filled):
@@ -113,7 +113,7 @@ def _cells(lines: Lines, layout: Layout, i: int) -> list[str]:
 
 
 def _same(lines: Lines, layout: Layout, group: list[int]) -> bool:
-    """Whether the names above the first row stand there, with nothing new, as units, below."""
+    """True if the names above the first row stand there, with nothing new, as units, below."""
     here = [_told(_cells(lines, layout, i)) for i in group]
     names = _told(layout.header) or list(NAMES[: len(here[-1])])
     if names not in here:
@@ -130,7 +130,7 @@ def _told(cells: list[str]) -> list[str]:
 
 
 def _goes_on(lines: Lines, layout: Layout, t: int, group: list[int]) -> bool:
-    """Whether times rise over the rows of names."""
+    """True if times rise over the rows of names."""
     if group[-1] + 1 >= len(lines.text):
         return True
     pair = []

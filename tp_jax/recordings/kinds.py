@@ -1,4 +1,4 @@
-"""What kind of file it is, by its first bytes: what is no text is named in a sentence."""
+"""Kinds of files, by their first bytes: what is no text is named in a sentence."""
 
 from dataclasses import dataclass
 from pathlib import Path

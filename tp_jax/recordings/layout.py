@@ -1,4 +1,4 @@
-"""How a text file is laid out: what parts its cells, its decimal sign, where its rows begin."""
+"""Layout of a text file: what parts its cells, its decimal sign, where its rows begin."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -19,7 +19,7 @@ _SAMPLE = 25
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the cells of a text file are.
+    """Layout of a text file: where its cells are.
 
     Attributes:
         delimiter: between cells; None: any white space.
@@ -84,7 +84,7 @@ def layout_of(lines: Lines, form: FileFormat) -> Layout:
 
 
 def is_number(cell: str, decimal: str) -> bool:
-    """Whether a cell holds a number, a date or a clock time."""
+    """True if a cell holds a number, a date or a clock time."""
     return number(cell, decimal) is not None or is_date_or_clock(cell)
 
 

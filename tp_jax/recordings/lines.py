@@ -9,7 +9,7 @@ from tp_jax._files import bytes_of
 from tp_jax.recordings.faults import CampaignError, nearest, reason
 
 _SEPARATORS = ",;|\"' \t\v\f\xa0\x1a"
-"""What an empty row of a table is written with, and the end of a file in DOS."""
+"""Characters that an empty row of a table is written with, and the end of a file in DOS."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ _CLIPPED_VARIANCE = 0.97333  # of a standard normal, given that it lies within _
 
 @dataclasses.dataclass(frozen=True)
 class LevelPolicy:
-    """When a recording has a noise level of its own.
+    """Conditions under which a recording has a noise level of its own.
 
     Attributes:
         apart: part by which its standard deviation differs from that of the recordings at its
@@ -65,7 +65,7 @@ def noise_level(t: np.ndarray, y: np.ndarray, colour: Colour | None = None) -> f
 
 
 def noise_level_and_error(t: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """As `noise_level`, and its relative standard error."""
+    """Computes `noise_level` and its relative standard error."""
     return _level(t, y, None)
 
 

@@ -32,7 +32,7 @@ from tp_jax.recordings.recorded_run import RecordedRun
 
 @dataclasses.dataclass(frozen=True)
 class ColourPolicy:
-    """What decides about a colour.
+    """Settings that decide about a colour.
 
     Attributes:
         above: multiples of the motion's frequency from which on its spectrum is a power law.
@@ -199,7 +199,7 @@ def _fitted(f, level, weight, step: float, policy: ColourPolicy, with_colour: in
         return found
 
     def cost(x):
-        """And its gradient."""
+        """Returns the cost and its gradient."""
         found = parts(x)
         s = sum(found[:3])
         value = 2.0 * float(np.sum(weight * (np.log(s / level) + level / s - 1.0)))

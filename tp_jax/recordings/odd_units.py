@@ -22,12 +22,12 @@ NAMES: Mapping[str | None, str] = {
 """Units in words."""
 
 UNITS = ("rad", "deg", "gon", "mrad", "turn")
-"""What angles are in, each by one name."""
+"""Units of angles, each by one name."""
 
 
 @dataclass(frozen=True)
 class OddPolicy:
-    """When noise tells of another unit.
+    """Conditions under which noise tells of another unit.
 
     Attributes:
         apart: factor between neighbouring levels of noise from which they are of two groups.
@@ -99,7 +99,7 @@ def odd_units(
 
 
 def _has_noise(recording: RecordedRun, channel: str, level: float, policy: OddPolicy) -> bool:
-    """Whether a level is that of noise, which is the same among every other sample."""
+    """True if a level is that of noise, which is the same among every other sample."""
     part = slice(0, policy.samples, 2)
     other = noise_level(recording.t[part], recording.channels[channel][part])
     return other < policy.steady * level
@@ -139,7 +139,7 @@ def declared(recording: RecordedRun, channel: str) -> float:
 
 
 def advice(recording: RecordedRun, odd: Mapping[str, str | None]) -> str:
-    """What to write for one file, by the unit of each channel; None: counts of an encoder."""
+    """Says what to write for one file, by the unit of each channel; None: counts of an encoder."""
     told = ", ".join(
         f"{channel} = {{ counts = N }}" if unit is None else f'{channel} = {{ unit = "{unit}" }}'
         for channel, unit in odd.items()

@@ -1,6 +1,6 @@
 """Cells of a file to the columns of a recording: units, turns, clocks, rows that say nothing new.
 
-What was done to the rows, beside units, is told in a note: nothing is left out in silence.
+A note reports what was done to the rows in addition to units: nothing is left out in silence.
 """
 
 from collections.abc import Mapping
@@ -43,7 +43,7 @@ def readings(
     dated: bool = False,
     held: bool = False,
 ) -> Readings:
-    """What the cells of a file say.
+    """Reads the cells of a file.
 
     A column that another is counted from must be among them.
 
@@ -90,7 +90,7 @@ def _readings(
     rows: np.ndarray,
     notes: list[str],
 ) -> Readings:
-    """What a column is counted from is taken off."""
+    """Takes off what a column is counted from."""
     absolute = dict(values)
     for name in values:
         minus = sources[name].minus

@@ -1,4 +1,4 @@
-"""What a recording holds of one run of a rig: times, angles, and how it was driven."""
+"""Contents of a recording of one run of a rig: times, angles, and how it was driven."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -13,7 +13,7 @@ from tp_jax.recordings.sources import ColumnSource
 
 @dataclass(frozen=True, eq=False)
 class RecordedRun:
-    """What a `Recording` holds, which says what each field is; not checked."""
+    """Contents of a `Recording`, which says what each field is; not checked."""
 
     name: str
     label: str
@@ -64,12 +64,12 @@ class RecordedRun:
 
     @property
     def duration(self) -> float:
-        """From the first to the last sample [s]."""
+        """Duration from the first to the last sample [s]."""
         return float(self.t[-1] - self.t[0])
 
     @property
     def measured_drive(self) -> bool:
-        """Whether the drive was measured rather than commanded."""
+        """True if the drive was measured rather than commanded."""
         return self.drive is not None
 
     @property

@@ -16,7 +16,7 @@ from tp_jax.recordings.short import short_fields
 
 @dataclass(frozen=True)
 class RoundingPolicy:
-    """When times are taken for rounded ones of rows that came evenly.
+    """Conditions under which times are taken for rounded ones of rows that came evenly.
 
     Attributes:
         coarse: quantum over step from which it matters; less displaces a reading by a twentieth
@@ -169,7 +169,7 @@ def _spacing(parts: list[np.ndarray]) -> float | None:
 
 
 def _robust_spacing(v: np.ndarray) -> float | None:
-    """As `_spacing`, but a few missing rows do not move it."""
+    """Estimates what `_spacing` does, but a few missing rows do not move it."""
     few = v[-1] - v[0] < v.size - 1
     rows = _changes(v) if few else np.arange(v.size)
     lag = min(_LAG, rows.size // 4)
@@ -180,7 +180,7 @@ def _robust_spacing(v: np.ndarray) -> float | None:
 
 
 def _offset(part: np.ndarray, spacing: float) -> float:
-    """Where the first row of a part was, in quanta."""
+    """Finds where the first row of a part was, in quanta."""
     rows = _changes(part)
     if spacing >= 1.0 or not rows.size:
         return float(np.mean(part - spacing * np.arange(part.size)))
@@ -189,7 +189,7 @@ def _offset(part: np.ndarray, spacing: float) -> float:
 
 
 def _as_rounded(parts: list[np.ndarray], spacing: float, policy: RoundingPolicy) -> bool:
-    """Whether there are as many odd steps as rounding makes."""
+    """True if there are as many odd steps as rounding makes."""
     steps = np.concatenate([np.diff(part) for part in parts])
     odd = int(np.sum(steps != np.rint(spacing)))
     expected = abs(spacing - np.rint(spacing)) * steps.size

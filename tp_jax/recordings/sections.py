@@ -162,7 +162,7 @@ class Section:
 
 
 def one_of(names: Iterable[str]) -> str:
-    """What to write: one of a few names."""
+    """Says what to write: one of a few names."""
     return f"write one of {listed(names, 12)}"
 
 

@@ -1,4 +1,4 @@
-"""What an object prints: its numbers and names, and of arrays only how large they are."""
+"""Printed form of an object: its numbers and names, and of arrays only how large they are."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ def short(thing: Any) -> str:
 
 
 def short_fields(self: Any) -> str:
-    """For `__repr__` of a dataclass: its fields, those left out that are as they are by default."""
+    """Lists a dataclass's fields for `__repr__`, without those that are as they are by default."""
     told = []
     for field in dataclasses.fields(self):
         value = getattr(self, field.name)

@@ -59,7 +59,7 @@ def local_polynomial(
 
 
 def _of_stretch(t: np.ndarray, y: np.ndarray, sigma: float, window: int, order: int) -> Smoothed:
-    """As `local_polynomial`, where there is no gap."""
+    """Does what `local_polynomial` does, where there is no gap."""
     n = t.size
     if n <= order:
         nothing, unknown = np.zeros(n), np.full(n, np.inf)
@@ -91,7 +91,7 @@ def _of_stretch(t: np.ndarray, y: np.ndarray, sigma: float, window: int, order: 
 
 
 class AtRest(NamedTuple):
-    """Where a body rests, each (n,): whether; its mean angle, that angle's and its rate's errors.
+    """Body at rest, each (n,): whether it is; its mean angle, that angle's and its rate's errors.
 
     Errors are standard errors; the rate is that of a straight line through the window.
     """
@@ -108,7 +108,7 @@ per cent of what noise alone makes of the three."""
 
 
 def at_rest(t: np.ndarray, y: np.ndarray, sigma: float, window: int) -> AtRest:
-    """Whether readings around each sample show any motion at all.
+    """Finds whether readings around each sample show any motion at all.
 
     A cubic is a poor guess of the rate of a body that stuck: its slope at the middle of a window is
     five times as uncertain as a straight line's, and the window of a fit that starts there would

@@ -1,4 +1,4 @@
-"""Where a column of a recording comes from, and how a reading becomes seconds or radians."""
+"""Source of a column of a recording, and how a reading becomes seconds or radians."""
 
 import json
 import math
@@ -19,7 +19,7 @@ REQUIRED = ("t", "phi1")
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """Where a column comes from: `value = scale * cell * (the unit's factor) + offset`.
+    """Source of a column: `value = scale * cell * (the unit's factor) + offset`.
 
     Attributes:
         column: its name in the file's header, or its 0-based index.
@@ -51,7 +51,7 @@ class ColumnSource:
         return self.scale * (1.0 if self.unit is None else units.of(name)[self.unit])
 
     def period(self, name: str, cells: np.ndarray) -> float | None:
-        """After how many of the cell's own units the reading starts anew; None: it does not."""
+        """Finds after how many of the cell's units the reading starts anew; None: it does not."""
         if self.wrap is not True:
             return self.wrap or None
         if name == "t":
@@ -68,13 +68,13 @@ class ColumnSource:
         return cells if (factor, self.offset) == (1.0, 0.0) else cells * factor + self.offset
 
     def changed(self, given: Mapping[str, Any]) -> "ColumnSource":
-        """With other settings; a unit and counts of an encoder take each other's place."""
+        """A copy with other settings; a unit and counts of an encoder take each other's place."""
         if "unit" in given:
             return replace(self, **{"counts": None, **given})
         return replace(self, **({"unit": None} if "counts" in given else {}), **given)
 
     def toml(self) -> str:
-        """As it is written in a campaign.toml."""
+        """Returns it as it is written in a campaign.toml."""
         own = {name: value for name, value in vars(self).items() if value != _PLAIN.get(name)}
         return toml_table(own)
 
@@ -100,7 +100,7 @@ def _toml(value: Any) -> str:
 
 @dataclass(frozen=True)
 class FileFormat:
-    """How a file is laid out; what is None is found out from the file.
+    """Layout of a file; what is None is found out from the file.
 
     Attributes:
         delimiter: one character; " " stands for any white space.

@@ -1,4 +1,4 @@
-"""When a recording was made, as `tp-jax record` writes it in FILE.csv.meta.json."""
+"""Time at which a recording was made, as `tp-jax record` writes it in FILE.csv.meta.json."""
 
 from datetime import datetime
 from pathlib import Path

@@ -27,7 +27,7 @@ from tp_jax.recordings.sources import ColumnSource, FileFormat, from_header
 def read_table(
     file: Path, raw: bytes, kind: Kind, form: FileFormat, wanted: Sequence[str]
 ) -> Columns:
-    """As `formats.read_columns`, for a file that is no text.
+    """Reads columns as `formats.read_columns` does, from a file that is no text.
 
     Raises:
         CampaignError: there is no reader for it, its library is missing, or a column is.
@@ -144,7 +144,7 @@ def as_numbers(file: Path, name: str, cells: np.ndarray) -> np.ndarray:
 
 
 def is_dated(cells: np.ndarray) -> bool:
-    """Whether cells are dates or clock times."""
+    """True if cells are dates or clock times."""
     if cells.dtype.kind in "fiubm" or not cells.size:
         return False
     return cells.dtype.kind == "M" or is_date_or_clock(_text(cells[0]))

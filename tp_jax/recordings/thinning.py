@@ -14,7 +14,7 @@ from tp_jax.recordings.recording import Recording
 
 @dataclasses.dataclass(frozen=True)
 class ThinPolicy:
-    """How many samples are enough.
+    """Numbers of samples that are enough.
 
     Attributes:
         per_period: samples in a period of the motion that a recording keeps at least. With 256 the

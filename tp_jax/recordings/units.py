@@ -27,7 +27,7 @@ _OTHER_NAMES = {
     "radians": "rad", "radian": "rad", "degrees": "deg", "degree": "deg", "grad": "deg",
     "turns": "turn", "revs": "rev", "hz": "Hz", "u/min": "rpm", "min^-1": "rpm", "minutes": "min",
 }  # fmt: skip
-"""What files and people write for them. German "Grad" is a degree."""
+"""Other names that files and people write for units. German "Grad" is a degree."""
 
 _IN_HEADER = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|/\s*(?P<c>\S+))$")
 

@@ -61,7 +61,7 @@ class Unwrapper:
         return np.concatenate([self._piece(*part) for part in parts])
 
     def _piece(self, t: np.ndarray, principal: np.ndarray) -> np.ndarray:
-        """As `feed`, where there is no gap but before the first sample."""
+        """Does what `feed` does, where there is no gap but before the first sample."""
         if self._t is not None and t[0] - self._t > LONGEST_CERTAIN:
             if not self.winds and self.law == "sine_cosine":
                 self._angle = 0.0

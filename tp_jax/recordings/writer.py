@@ -42,7 +42,7 @@ def write_csv(
 def csv_text(
     t: ArrayLike, phi1: ArrayLike, phi2: ArrayLike | None = None, drive: ArrayLike | None = None
 ) -> str:
-    """What `write_csv` writes.
+    """Returns the text that `write_csv` writes.
 
     Raises:
         ValueError: the columns differ in length or are not one-dimensional.

@@ -1,4 +1,4 @@
-"""From an angle to the number in a file: bridges, noise, converter, firmware."""
+"""Chain from an angle to the number in a file: bridges, noise, converter, firmware."""
 
 import numpy as np
 from numpy.typing import ArrayLike

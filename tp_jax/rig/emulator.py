@@ -29,7 +29,7 @@ ERRORS = (5e-4, 1.5e-3, 5e-4, 1.5e-3, 3e-4)
 
 
 class Rig(Protocol):
-    """What the emulator needs of a simulator; `tp_jax.rig.simulator.VirtualRig` is one."""
+    """Simulator as the emulator needs it; `tp_jax.rig.simulator.VirtualRig` is one."""
 
     amplitude: float
 
@@ -208,7 +208,7 @@ class Firmware:
 
     @property
     def due(self) -> int | None:
-        """When the next sample is due on the own clock [µs]; None: no run is on."""
+        """Time at which the next sample is due on the own clock [µs]; None: no run is on."""
         return self._begin + round(self.sent * 1e6 / self.rate) if self.running else None
 
     def sample(self) -> bytes:

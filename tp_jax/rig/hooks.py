@@ -1,11 +1,11 @@
-"""Where hidden effects take hold of the rig: lists of functions, empty on a rig without any."""
+"""Hooks for hidden effects in the rig: lists of functions, empty on a rig without any."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 
 class Instant:
-    """What an effect may look at; the same object all along, filled anew at every instant.
+    """State that an effect may look at; the same object all along, filled anew at every instant.
 
     Attributes:
         t: true time since the start of the run [s]; s: the same from -1/2 to 1/2 over the run.
@@ -34,7 +34,7 @@ Quantity = Callable[[Instant], float]
 
 @dataclass
 class Hooks:
-    """What the effects of one run add.
+    """Additions of the effects of one run.
 
     Attributes:
         phase: (theta [rad], t) -> theta, applied in turn; detuning: what the motor turns faster
@@ -89,7 +89,7 @@ class Hooks:
 
     @property
     def on_motion(self) -> bool:
-        """Whether anything but drive, sensors and clock is changed, or steps are cut."""
+        """True if anything but drive, sensors and clock is changed, or steps are cut."""
         return bool(
             self.column or self.bearing or self.load or self.contact or self.grip
             or self.start or self.ground or self.events or self.limits or self.commits

@@ -200,7 +200,7 @@ class Motion:
     # friction at rest
 
     def _excess1(self, F1: float) -> float:
-        """By how much the friction needed for rest exceeds its limit, in the instant of effects."""
+        """Excess of the friction needed for rest over its limit, in the instant of effects."""
         side = 1.0 if F1 >= 0.0 else -1.0
         return side * F1 - self._limit1(side, 0.0, True) - SLACK * self._torque
 
@@ -238,7 +238,7 @@ class Motion:
         self._signs[i] = -self._signs[i]
 
     def _beyond(self, i: int, end: End) -> float:  # noqa: ARG002
-        """How far it is to an event of an effect, in the instant of effects; below zero beyond."""
+        """Distance to an event of an effect, in the instant of effects; below zero beyond."""
         return self._signs[i] * self._hooks.events[i](self.now)
 
     def _choose(self, forced1: int | None, forced2: int | None) -> None:
@@ -272,7 +272,7 @@ class Motion:
         return (0, 1, -1) if forced is None else (forced,)
 
     def _contradiction(self) -> float:
-        """How far the present mode contradicts itself [N m]; 0 for a consistent one."""
+        """Measures how far the present mode contradicts itself [N m]; 0 for a consistent one."""
         wrong = 0.0
         B = self._torque
         if self.side1 == 0:

@@ -10,7 +10,7 @@ from tp_jax.errors import InputError
 
 @dataclasses.dataclass(frozen=True)
 class RigParameters:
-    """What a rig is made of.
+    """Parameters of a rig.
 
     Attributes:
         B1: moment of inertia of the column [kg m^2].
@@ -47,12 +47,12 @@ class RigParameters:
 
     @property
     def has_rider(self) -> bool:
-        """Whether a second body rides on the column."""
+        """True if a second body rides on the column."""
         return self.B2 > 0.0
 
     @property
     def natural_frequency(self) -> float:
-        """Of the column without its rider [rad/s]."""
+        """Natural frequency of the column without its rider [rad/s]."""
         return math.sqrt(self.k / self.B1)
 
     def scaled(self, rng: np.random.Generator, spread: float) -> "RigParameters":

@@ -1,4 +1,4 @@
-"""Which runs a campaign makes: some driven ones about resonance, and a decay."""
+"""Plan of the runs of a campaign: some driven ones about resonance, and a decay."""
 
 import itertools
 
@@ -44,6 +44,6 @@ def _release(p: RigParameters, rng: np.random.Generator) -> float:
 
 
 def _slides(rig: VirtualRig, omega: float) -> bool:
-    """Whether the rider of a rig leaves its place in the first seconds of a driven run."""
+    """True if the rider of a rig leaves its place in the first seconds of a driven run."""
     rig.start(omega=omega)
     return any(abs(rig.motion(t)[1]) > SLIDES for t in np.arange(0.1, WATCHED, 0.1).tolist())

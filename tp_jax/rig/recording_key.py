@@ -28,7 +28,7 @@ def hidden_effects(rig: VirtualRig) -> dict[str, dict[str, Any]]:
 def values_by_run(
     rig: VirtualRig, plan: Sequence[Mapping[str, float]]
 ) -> list[dict[str, tuple[float, ...]]]:
-    """What differs from run to run, for each of them."""
+    """Returns what differs from run to run, for each of them."""
     drawn = []
     for kind in plan:
         rig.start(omega=kind.get("omega"), release=kind.get("release"))

@@ -70,7 +70,7 @@ def _risen(
 
 
 def stops(h: float, side: int, v0: float, a0: float, v1: float, a1: float) -> bool:
-    """Whether a sliding may end within a step; it may pass zero and come back."""
+    """True if a sliding may end within a step; it may pass zero and come back."""
     begun = side * v0 > 0.0
     if side * v1 < 0.0:
         # a body that has only just let go may seem to go back, by rounding
@@ -82,7 +82,7 @@ def stops(h: float, side: int, v0: float, a0: float, v1: float, a1: float) -> bo
 
 
 def lowest(h: float, v0: float, a0: float, v1: float, a1: float) -> float:
-    """Where within a step a quantity that falls at its start and rises at its end is lowest.
+    """Finds where in a step a quantity that falls at its start and rises at its end is lowest.
 
     By the cubic through value and slope at both ends; the length from the start.
     """

@@ -34,7 +34,7 @@ class Line:
         self._rng = np.random.default_rng([seed, 0x11E])
 
     def carry(self, data: bytes) -> bytes:
-        """What arrives of some bytes."""
+        """Returns what arrives of some bytes."""
         if not data or not (self.corrupt or self.drop):
             return data
         array = np.frombuffer(data, dtype=np.uint8).copy()
@@ -198,7 +198,7 @@ class Emulator:
             self._queue.clear()
 
     def _plugged_for_too_long(self) -> bool:
-        """Whether the time to be unplugged has come."""
+        """True if the time to be unplugged has come."""
         if self._unplug is None or self.terminal.master is None:
             return False
         return self.firmware.sent / self.firmware.rate >= self._unplug[0]
@@ -238,7 +238,7 @@ class Emulator:
             del self._queue[:done]
 
     def _wait(self, watch: int | None) -> bool:
-        """Until there is something to do; whether it is to end."""
+        """Waits until there is something to do; True if it is to end."""
         master = self.terminal.master
         ends = [fd for fd in (master, watch) if fd is not None]
         full = [master] if self._queue and master is not None else []

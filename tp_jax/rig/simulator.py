@@ -235,12 +235,12 @@ class VirtualRig:
 
     @property
     def switches(self) -> int:
-        """How often a body of the run in progress began or ceased to slide."""
+        """Number of times that a body of the run in progress began or ceased to slide."""
         return self._motion.switches
 
     @property
     def steps(self) -> int:
-        """How many steps of integration the run in progress has taken."""
+        """Number of steps of integration that the run in progress has taken."""
         return self._motion.steps
 
     def _go_to(self, t: float) -> None:

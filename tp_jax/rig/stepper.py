@@ -11,7 +11,7 @@ from tp_jax.rig.equations import Rates
 
 
 class End(NamedTuple):
-    """Where a step ends, and what acts there, before anything switches.
+    """End of a step, and what acts there, before anything switches.
 
     h [s]; angles [rad], velocities [rad/s], accelerations [rad/s^2], dry torques [N m]; z and its
     derivatives dz; error: of the step, 1 where it is just tolerated.

@@ -1,4 +1,4 @@
-"""What the page says of the rig and its runs, as a browser sends it."""
+"""Answers of the page about the rig and its runs, as a browser sends them."""
 
 import math
 from collections.abc import Mapping

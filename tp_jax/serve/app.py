@@ -148,12 +148,12 @@ def _html(text: str) -> Response:
 
 
 def _refused(_: Request, fault: Exception) -> Response:
-    """What the user can mend, as its sentence."""
+    """Answers a fault that the user can mend with its sentence."""
     return PlainTextResponse(str(fault), 422)
 
 
 def _unwritable(_: Request, fault: OSError) -> Response:
-    """What the file system refuses: a full disk, a folder that may not be written."""
+    """Answers what the file system refuses: a full disk, a folder that may not be written."""
     name = "the folder" if fault.filename is None else Path(os.fsdecode(fault.filename)).name
     return PlainTextResponse(f"Cannot write {name}: {(fault.strerror or str(fault)).lower()}.", 507)
 

@@ -40,7 +40,7 @@ class Row:
 
 
 class Diagnoses:
-    """Those below a folder; methods may be called from any thread."""
+    """Diagnoses below a folder; methods may be called from any thread."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

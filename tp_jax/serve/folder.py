@@ -69,7 +69,7 @@ class ServedFolder:
         ]
 
     def answers(self) -> Answers | None:
-        """What its campaign.toml says of the rig and its runs, whoever wrote it.
+        """Reads what its campaign.toml says of the rig and its runs, whoever wrote it.
 
         None where there is none to be read.
         """
@@ -85,7 +85,7 @@ class ServedFolder:
 
     @property
     def by_hand(self) -> bool:
-        """Whether there is a campaign.toml that this page must not replace."""
+        """True if there is a campaign.toml that this page must not replace."""
         return os.path.lexists(self.campaign) and not self._own()
 
     def write(self, answers: Answers) -> None:
@@ -195,7 +195,7 @@ class ServedFolder:
 
 
 def _driven(entry: Entry) -> Driven:
-    """How a campaign says that a recording was driven."""
+    """Returns how a campaign says that a recording was driven."""
     if entry.measured_drive:
         return Driven("measured")
     return Driven("commanded", entry.omega) if entry.forced else Driven("decay")

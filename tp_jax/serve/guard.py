@@ -1,4 +1,4 @@
-"""Who may ask, and what every answer says to the browser.
+"""Rules on who may ask, and what every answer says to the browser.
 
 The page stands on this computer alone, but a browser carries pages of other makers, and those can
 send requests here too. So each request needs the token, names this computer (a foreign name that
@@ -89,7 +89,7 @@ class Guard:
         await self.app(scope, receive, sent)
 
     def _refused(self, scope: Scope, headers: dict[str, str]) -> str | None:
-        """Why a request is none of this page's, whatever it knows."""
+        """Says why a request is none of this page's, whatever it knows."""
         host = headers.get("host", "")
         if _name_of(f"http://{host}") not in LOOPBACK:
             return "The address must name this computer, as http://127.0.0.1 does."

@@ -21,11 +21,11 @@ Child = Callable[[Path, Path], list[str]]
 """The command line that diagnoses a campaign (first) into a folder (second)."""
 
 SAYS = "tp-jax: "
-"""What a sentence of a command for its user begins with."""
+"""Beginning of a sentence of a command for its user."""
 
 
 FITS = "fits.json"
-"""What a diagnosis keeps of itself until it is done."""
+"""File that a diagnosis keeps of itself until it is done."""
 
 
 def diagnosing(campaign: Path, out: Path) -> list[str]:
@@ -38,7 +38,7 @@ def diagnosing(campaign: Path, out: Path) -> list[str]:
 
 @dataclass(frozen=True)
 class Status:
-    """What a job is at.
+    """State of a job.
 
     Attributes:
         state: "none", "running", "done", "failed" or "cancelled".
@@ -46,7 +46,7 @@ class Status:
         stage: in words.
         part: of the stage that is done, 0 to 1; None: not known.
         seconds: since it began, or that it took.
-        messages: what the child said beside its progress, a sentence each.
+        messages: what the child said in addition to its progress, a sentence each.
     """
 
     state: str = "none"
@@ -101,7 +101,7 @@ class Jobs:
             self._thread.start()
 
     def status(self) -> Status:
-        """What the latest job is at."""
+        """Returns the state of the latest job."""
         with self._lock:
             if self._status.state == "running":
                 return self._with(seconds=time.monotonic() - self._begun)
@@ -130,7 +130,7 @@ class Jobs:
         assert process.stderr is not None
         assert process.stdin is not None
         messages: deque[str] = deque(maxlen=self._limits.messages)
-        other = ""  # of a library, or of the interpreter: told only where nothing else is
+        other = ""  # of a library, or of the interpreter: reported only where nothing else is
         for raw in process.stderr:
             line = raw.decode("utf-8", "replace").strip()
             told = _progress(line)

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Limits:
-    """What a page may ask for, and how long is waited.
+    """Limits on what a page may ask for, and on how long is waited.
 
     Attributes:
         upload: bytes of a file: some eight million rows. A longer recording can be put into the
             folder by hand.
-        files: in the folder beside which no more are taken; a page of so many is no use.
+        files: in the folder in addition to which no more are taken; a page of so many is no use.
         answers: bytes of what the page says of the rig and its runs, a line for each file.
         name: bytes of a file's name; file systems take 255, a name of its part included.
         token: bytes of chance in the key, as many as a session of a bank has.

@@ -35,7 +35,7 @@ def safe_name(said: str) -> str:
 
 
 def inside(folder: Path, path: Path) -> bool:
-    """Whether a path lies in a folder once all links are followed."""
+    """True if a path lies in a folder once all links are followed."""
     try:
         return path.resolve().is_relative_to(folder.resolve())
     except (OSError, RuntimeError):  # a link to itself; a folder that is not ours to look into
@@ -43,7 +43,7 @@ def inside(folder: Path, path: Path) -> bool:
 
 
 def readable(folder: Path, path: Path) -> bool:
-    """Whether a path is a file in a folder, once all links are followed."""
+    """True if a path is a file in a folder, once all links are followed."""
     try:
         return inside(folder, path) and path.is_file()
     except OSError:

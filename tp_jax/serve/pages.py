@@ -99,7 +99,7 @@ def compared(a: str, b: str, rows: list[tuple[str, str, str]]) -> str:
 
 
 def style() -> str:
-    """The style sheet: the report's, and what the page has beside it."""
+    """The style sheet: the report's, and what the page has in addition to it."""
     own = (HERE / "static" / "serve.css").read_text(encoding="utf-8")
     return f"{REPORT_STYLE.read_text(encoding='utf-8')}\n{own}"
 
@@ -155,7 +155,7 @@ def _card(file: File, driven: Driven | None, used: bool) -> Card:
 
 
 def _place(name: str, source: ColumnSource, why: str) -> str:
-    """Where a column stands in the file, in which unit, and what speaks for that."""
+    """Says where a column stands in the file, in which unit, and what speaks for that."""
     column = source.column
     place = f"column {column + 1}" if isinstance(column, int) else f"“{column}”"
     unit = source.unit or UNITS.get(name, "")

@@ -27,5 +27,5 @@ class Cousin(Outside):
 
 
 def is_cousin(effect: Effect) -> bool:
-    """Whether the catalogue has the kind of an effect, but another formula of it."""
+    """True if the catalogue has the kind of an effect, but another formula of it."""
     return isinstance(effect, Outside) and bool(effect.cousin_of)

@@ -6,7 +6,7 @@ from trials.effects.base import Cousin
 
 
 class ColumnTiltSecond(Cousin):
-    """Gravity on an arm that bends: a second harmonic beside the first."""
+    """Gravity on an arm that bends: a second harmonic in addition to the first."""
 
     id = "column_tilt_second"
     formula = "-a (sin(phi1 + beta) + r sin 2 (phi1 + beta))"

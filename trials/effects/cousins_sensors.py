@@ -82,7 +82,7 @@ def drifting(a, b, tau):
 
 
 class Sensor1DriftExponential(_DriftExponential):
-    """Of the column's sensor, warm after a part of the run."""
+    """Drift of the column's sensor, warm after a part of the run."""
 
     id = "sensor1_drift_exponential"
     channel = location = "sensor1"
@@ -93,7 +93,7 @@ class Sensor1DriftExponential(_DriftExponential):
 
 
 class Sensor2DriftExponential(_DriftExponential):
-    """Of the rider's sensor, warm after a part of the run."""
+    """Drift of the rider's sensor, warm after a part of the run."""
 
     id = "sensor2_drift_exponential"
     channel = location = "sensor2"

@@ -1,4 +1,4 @@
-"""Beyond the package's catalogue: what else clocks do."""
+"""Effects of clocks beyond the package's catalogue."""
 
 from trials.effects.base import Outside
 

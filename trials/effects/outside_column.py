@@ -1,4 +1,4 @@
-"""Beyond the package's catalogue: what else can act on the column."""
+"""Effects on the column beyond the package's catalogue."""
 
 from trials.effects.base import Outside
 

@@ -1,4 +1,4 @@
-"""Beyond the package's catalogue: what else can act between rider and column."""
+"""Effects between rider and column beyond the package's catalogue."""
 
 import math
 
@@ -6,7 +6,7 @@ from trials.effects.base import Outside
 
 
 class OutsideContact(Outside):
-    """What all of them share."""
+    """Base class of the contact's effects that the catalogue lacks."""
 
     channel, location = "contact", "contact"
     needs_rider = True

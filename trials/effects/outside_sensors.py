@@ -1,4 +1,4 @@
-"""Beyond the package's catalogue: what else sensors do."""
+"""Effects of sensors beyond the package's catalogue."""
 
 from tp_jax.rig.effects.play import Play
 from trials.effects.base import Outside

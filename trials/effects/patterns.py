@@ -9,7 +9,7 @@ NEXT = 1e-9  # s: on an edge itself, the side on which the body is so much later
 
 
 def settling(s: float, tau: float) -> float:
-    """From -1/2 to 1/2 over a run (s likewise), exponentially with `tau` of the run's length."""
+    """Rises from -1/2 to 1/2 over a run (s likewise), exponentially with `tau` of its length."""
     return math.expm1(-(s + 0.5) / tau) / math.expm1(-1.0 / tau) - 0.5
 
 
@@ -19,13 +19,13 @@ def bump(angle: float, centre: float, width: float) -> float:
 
 
 def saw(angle: float) -> float:
-    """From 0 up to 1 at pi, from -1 on again: (angle / pi), by turns; 2 pi periodic."""
+    """Rises from 0 to 1 at pi, from -1 on again: (angle / pi), by turns; 2 pi periodic."""
     turns = angle / (2.0 * math.pi)
     return 2.0 * (turns - math.floor(turns + 0.5))
 
 
 class Side:
-    """On which side of a boundary a body is, with every step of the integration ending at it.
+    """Side of a boundary on which a body is, with every step of the integration ending at it.
 
     What jumps there is constant in each step.
     """

@@ -1,4 +1,4 @@
-"""What bounds a step, varied: ours only, each variation beside the engine as it is.
+"""Variations of what bounds a step: ours only, each beside the engine as it is.
 
 Nearly all steps of a run lie in its reversals; what they can be saved by, and at what error, is
 what this shows. Errors are against the engine itself at a hundredth of the tolerance: which of two

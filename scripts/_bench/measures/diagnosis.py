@@ -1,5 +1,5 @@
-"""From the shell to a report: `tp-jax diagnose` of the package's example, all programs to be
-compiled and none, and the memory that either takes.
+"""Time from the shell to a report: `tp-jax diagnose` of the package's example, all programs to
+be compiled and none, and the memory that either takes.
 """
 
 import json

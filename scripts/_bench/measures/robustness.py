@@ -10,7 +10,7 @@ from ..problem import anywhere
 from ..rows import Row, duration, held, smoothing
 
 PART = 1024
-"""Draws of one sweep: the progress is told after each."""
+"""Draws of one sweep: the progress is reported after each."""
 
 
 def measure(b: Bench) -> tuple[dict, list[Row]]:

@@ -56,7 +56,7 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
 
 
 def _many(b: Bench, eps: float, cvodes: list[dict]) -> dict:
-    """Those of as many runs as a sweep has, ours on all cores; of CVODES' faster method four runs a
+    """Measures as many runs as a sweep has, ours on all cores; of CVODES' faster method four runs a
     core, in as many processes."""
     table, ts = sweep(b.scale.lanes), b.scale.ts
     tol = b.tolerance(b.ours, eps)[0]

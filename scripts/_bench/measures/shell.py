@@ -1,4 +1,4 @@
-"""From the shell to a simulated CSV: `tp-jax simulate`, without and with a warm cache."""
+"""Time from the shell to a simulated CSV: `tp-jax simulate`, without and with a warm cache."""
 
 import os
 import subprocess

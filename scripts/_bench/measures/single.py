@@ -43,7 +43,7 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
 
 
 def accurate(one: Mapping[str, Any]) -> bool:
-    """Whether a result has the error asked for."""
+    """True if a result has the error asked for."""
     return one["error"] <= TARGET
 
 

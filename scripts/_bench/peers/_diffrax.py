@@ -1,4 +1,4 @@
-"""What both diffrax peers share: the equations, and one program each for a run, a sweep, tangents.
+"""Base of both diffrax peers: the equations, and one program each for a run, a sweep, tangents.
 
 Compiled once for a number of samples; parameters, eps and tolerance are data. XLA runs their loops
 operation by operation, as it does for whoever sets no flag; with one in `XLA_FLAGS`

@@ -66,19 +66,19 @@ def sensitivities(parameters, eps, ts, tol):
 
 
 def many_sensitivities(table, eps, ts, tol):
-    """Those of the rows of `table` as a user gets them, `tp_jax.Sensitivities`."""
+    """Returns sensitivities of the rows of `table` as a user gets them, `tp_jax.Sensitivities`."""
     return tp.sensitivities(_models(np.asarray(table), eps), ts, tolerance=tol)
 
 
 def steps(table, eps, ts, tol):
-    """For the rows of `table`: whether each run was completed (lanes,), and its steps (lanes,)."""
+    """Says if the run of each row of `table` was completed (lanes,), and its steps (lanes,)."""
     done = motions(table, eps, ts, tol)
     finite = np.isfinite(done.phi1).all(axis=1) & np.isfinite(done.phi2).all(axis=1)
     return done.complete & finite, done.steps
 
 
 def platform() -> str:
-    """Where JAX computes: "cpu", "gpu"."""
+    """Says where JAX computes: "cpu", "gpu"."""
     return jax.devices()[0].platform
 
 

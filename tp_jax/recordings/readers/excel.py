@@ -48,6 +48,6 @@ def _there(cell: Cell) -> bool:
 
 
 def _is_row(row: tuple) -> bool:
-    """Whether more than half of the cells that are filled hold no text."""
+    """True if more than half of the cells that are filled hold no text."""
     filled = [cell for cell in row if _there(cell)]
     return 2 * sum(not isinstance(cell, str) for cell in filled) > len(filled) > 1

@@ -1,4 +1,4 @@
-"""What can be hidden in a virtual rig: one class for each effect."""
+"""Effects that can be hidden in a virtual rig: one class for each."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ from tp_jax.rig.parameters import BENCH, RigParameters
 
 @dataclass(frozen=True)
 class Run:
-    """What an effect may need of a run when it is installed.
+    """Data of a run that an effect may need when it is installed.
 
     Attributes:
         hooks: where it takes hold.

@@ -1,4 +1,4 @@
-"""When samples are taken, and when they are said to have been."""
+"""Times at which samples are taken, and at which they are said to have been."""
 
 from tp_jax.rig.effects.base import Effect
 

@@ -10,7 +10,7 @@ from tp_jax.rig.effects.maxwell_slip import MaxwellSlip
 
 
 class ContactEffect(Effect):
-    """What all of them share."""
+    """Base class of the contact's effects."""
 
     channel, location = "contact", "contact"
     needs_rider = True

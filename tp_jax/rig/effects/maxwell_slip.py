@@ -46,7 +46,7 @@ class MaxwellSlip:
         return self._stiffness * total
 
     def to_kink(self, x: float) -> float:
-        """How far [rad] it is to where the next element begins to slip; below zero beyond."""
+        """Distance [rad] to where the next element begins to slip; below zero beyond."""
         way = x - self._x
         return min(self._up - way, self._down + way)
 

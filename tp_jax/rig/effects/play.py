@@ -8,7 +8,7 @@ class Play:
     """
 
     def __init__(self, half: float, x: float = 0.0):
-        """In the middle of its gap at `x` [rad]."""
+        """Starts in the middle of its gap at `x` [rad]."""
         self.half = half
         self.rest = x
 

@@ -1,4 +1,4 @@
-"""What the sensors make of the angles; the motion knows nothing of it.
+"""Readings that the sensors make of the angles; the motion knows nothing of them.
 
 A magnetoresistive bridge gives sin 2 phi, its twin turned by 45 degrees cos 2 phi; both together
 give the angle, counted on over the turns.
@@ -29,7 +29,7 @@ def straight_line(a):
 
 
 class Sensor1Nonlinearity(_Nonlinearity):
-    """Of the column's sensor."""
+    """Nonlinearity of the column's sensor."""
 
     id = "sensor1_nonlinearity"
     channel = location = "sensor1"
@@ -39,7 +39,7 @@ class Sensor1Nonlinearity(_Nonlinearity):
 
 
 class Sensor2Nonlinearity(_Nonlinearity):
-    """Of the rider's sensor."""
+    """Nonlinearity of the rider's sensor."""
 
     id = "sensor2_nonlinearity"
     channel = location = "sensor2"
@@ -73,7 +73,7 @@ class _Eccentricity(_Wave):
 
 
 class Sensor1Eccentricity(_Eccentricity):
-    """Of the column's sensor."""
+    """Eccentricity of the column's sensor."""
 
     id = "sensor1_eccentricity"
     channel = location = "sensor1"
@@ -83,7 +83,7 @@ class Sensor1Eccentricity(_Eccentricity):
 
 
 class Sensor2Eccentricity(_Eccentricity):
-    """Of the rider's sensor."""
+    """Eccentricity of the rider's sensor."""
 
     id = "sensor2_eccentricity"
     channel = location = "sensor2"
@@ -104,7 +104,7 @@ class _Interpolation(_Wave):
 
 
 class Sensor1Interpolation(_Interpolation):
-    """Of the column's sensor."""
+    """Interpolation error of the column's sensor."""
 
     id = "sensor1_interpolation"
     channel = location = "sensor1"
@@ -114,7 +114,7 @@ class Sensor1Interpolation(_Interpolation):
 
 
 class Sensor2Interpolation(_Interpolation):
-    """Of the rider's sensor."""
+    """Interpolation error of the rider's sensor."""
 
     id = "sensor2_interpolation"
     channel = location = "sensor2"
@@ -146,7 +146,7 @@ def drifting(a, b):
 
 
 class Sensor1Drift(_Drift):
-    """Of the column's sensor."""
+    """Drift of the column's sensor."""
 
     id = "sensor1_drift"
     channel = location = "sensor1"
@@ -156,7 +156,7 @@ class Sensor1Drift(_Drift):
 
 
 class Sensor2Drift(_Drift):
-    """Of the rider's sensor."""
+    """Drift of the rider's sensor."""
 
     id = "sensor2_drift"
     channel = location = "sensor2"
