@@ -15,6 +15,14 @@ ROOMS = (
     "identifiability",
     "sensitivity_analysis",
     "gap",
+    "recordings",
+    "checks",
+    "acquisition",
+    "rig",
+    "cli",
+    "serve",
+    "executors",
+    "exploring",
 )
 """Folders of the package, with what is in them, whose docstrings are looked at."""
 
