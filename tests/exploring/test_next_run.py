@@ -141,6 +141,17 @@ def test_a_longer_run_is_advised():
     assert "measurement of another kind" in chosen(dull).sentence
 
 
+def test_runs_that_tell_only_together_are_made_while_there_are_enough_to_make():
+    hints = [Forecast(Run(omega=w), 0.3, {"b": 1.2, "c": 1.1}) for w in (6.0, 9.0, 12.0)]
+    finding = dataclasses.replace(UNDECIDED, forecasts=tuple(hints))
+    assert isinstance(chosen(finding, most=6), Next)
+    assert chosen(finding, most=5).reason == "indistinguishable"
+    # a little against each rival is nothing against any
+    split = [Forecast(Run(omega=6.0), 0.3, {"b": 2.0}), Forecast(Run(omega=9.0), 0.3, {"c": 2.0})]
+    finding = dataclasses.replace(UNDECIDED, forecasts=tuple(split))
+    assert chosen(finding, most=8).reason == "indistinguishable"
+
+
 def test_a_limit_that_no_run_keeps_is_told():
     step = chosen(limits=Limits(0.1))
     assert step.reason == "indistinguishable"

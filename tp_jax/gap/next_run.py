@@ -217,6 +217,9 @@ def next_run(
         return Next(best)
     if not finding.rivals or len(made) < policy.survey:
         return Next(_farthest(open_, made, policy))
+    # evidence adds up: what no run tells alone, those that are left to make may tell together
+    if _together(open_, most - len(made)) >= policy.log_evidence:
+        return Next(best)
     return Stop(TIED, _needed(finding, best, limits, duration, policy))
 
 
@@ -259,6 +262,16 @@ def worth(
 
 def _largest(forecast: Forecast) -> float:
     return max(forecast.log_evidence.values(), default=0.0)
+
+
+def _together(forecasts: Sequence[Forecast], runs: int) -> float:
+    """Expected log evidence against any one rival of the best runs, so many of them [nat]."""
+    rivals = {id for f in forecasts for id in f.log_evidence}
+    return max(
+        (sum(sorted((f.log_evidence.get(id, 0.0) for f in forecasts), reverse=True)[:runs])
+         for id in rivals),
+        default=0.0,
+    )  # fmt: skip
 
 
 def _tells(forecast: Forecast, policy: ExplorePolicy) -> bool:
