@@ -122,15 +122,15 @@ def run(args: argparse.Namespace) -> int:
     enable_compilation_cache()
     kept = folder / FITS
     with shown(quiet=args.quiet, form=args.progress) as progress, _kept(kept, resume=args.resume):
-        found = diagnosed(
+        result = diagnosed(
             campaign, folder, seed=args.seed, tolerance=args.tolerance, without=args.without,
             figures=args.figures, resume=args.resume, progress=progress,
         )  # fmt: skip
     if args.json is not None:
-        write_json(args.json, found.to_dict())
+        write_json(args.json, result)
     if args.json != "-" and not args.quiet:
         from tp_jax.report.terminal import show
 
-        show(found)
+        show(result)
         print(f"\nReport: {report}")
     return 0

@@ -5,11 +5,10 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tp_jax.cli.output import forget, made_folder, replaced, write_json
+from tp_jax.cli.output import forget, made_folder, plain, replaced, write_json
 from tp_jax.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from tp_jax.gap.diagnosis import Diagnosis
     from tp_jax.recordings import Campaign
 
 FITS, RESULT, REPORT = "fits.json", "diagnosis.json", "report.html"
@@ -28,8 +27,8 @@ def default_folder(name: str) -> Path:
 def diagnosed(
     campaign: "Campaign", folder: Path, *, seed: int, tolerance: float, without: Sequence[str] = (),
     figures: bool, resume: bool, progress: Progress, screen: bool = False,
-) -> "Diagnosis":  # fmt: skip
-    """Diagnoses a campaign into a folder, which gets diagnosis.json and the report.
+) -> dict[str, Any]:  # fmt: skip
+    """Diagnoses a campaign into a folder, which gets diagnosis.json and the report; the result.
 
     Args:
         campaign, seed, tolerance, without, resume, progress: as of `tp.diagnose`.
@@ -47,28 +46,27 @@ def diagnosed(
         "checkpoint": kept, "resume": resume,
     }  # fmt: skip
     if screen:
-        found = _with_screen(campaign, folder, asked)
+        result = _with_screen(campaign, folder, asked)
     else:
-        found = tp.diagnose(campaign, **asked)
-    write_json(folder / RESULT, found.to_dict())
+        result = plain(tp.diagnose(campaign, **asked).to_dict())
+    write_json(folder / RESULT, result)
 
     from tp_jax.report.html import write_report
 
     progress("writing the report", None)
     with replaced(report) as part:
-        write_report(found, part, figures=figures, day=date.today())
+        write_report(result, part, figures=figures, day=date.today())
     forget(kept)
-    return found
+    return result
 
 
-def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> "Diagnosis":
-    """A diagnosis whose first screen is kept."""
+def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> dict[str, Any]:
+    """A diagnosis whose first screen is kept; its result."""
     from tp_jax.gap.diagnosis import examine
     from tp_jax.gap.shared.from_screen import rig_scores
     from tp_jax.gap.shared.scores import write
 
     examination = examine(campaign, **asked)
-    found = examination.diagnosis
-    seen = examination.choice.rounds[0].screen
+    found, seen = examination.diagnosis, examination.choice.rounds[0].screen
     write(made_folder(folder) / SCREEN, rig_scores(folder.name, seen, found.causes, asked["seed"]))
-    return found
+    return found.to_dict()

@@ -112,7 +112,7 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
         campaign = load(asked, rig.campaign)
         resume = (rig.folder / FITS).is_file()
         try:
-            found = diagnosed(
+            result = diagnosed(
                 campaign, rig.folder, seed=rig.seed, tolerance=rig.tolerance, without=rig.without,
                 figures=rig.figures, resume=resume, progress=silent, screen=True,
             )  # fmt: skip
@@ -123,7 +123,7 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
     notices = [" ".join(str(each.message).split()) for each in said
                if issubclass(each.category, Notice)]  # fmt: skip
     return {
-        **row(rig.name, found, f"{rig.folder.name}/{REPORT}"),
+        **row(rig.name, result, f"{rig.folder.name}/{REPORT}"),
         "notices": " ".join(notices) or None,
     }
 

@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> None:
 
     from tp_jax.results.diagnosis import DiagnosisRecord
 
-    diagnosis = DiagnosisRecord.from_json(args.diagnosis)
+    diagnosis = DiagnosisRecord.from_json(args.diagnosis).to_dict()
     if args.recording is not None:
         _check_length(args)
 
