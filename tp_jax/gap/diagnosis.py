@@ -25,7 +25,7 @@ from tp_jax.recordings import Campaign, hold_out
 from tp_jax.report.excerpt import excerpt
 from tp_jax.report.html import write_report
 from tp_jax.report.text import summary
-from tp_jax.results.diagnosis import DiagnosisRecord
+from tp_jax.results.diagnosis import DiagnosisRecord, Provenance
 from tp_jax.simulation.solve import Trajectory
 
 
@@ -166,23 +166,21 @@ def examine(
     kept = fits_checkpoint(checkpoint, resume, campaign, asked)
     with keeping(kept):
         setting, choice = _chosen(campaign, model, seed, without, progress)
+        more: tuple[str, ...] = ()
         other = None if given.held_out else inside_of_others(setting, choice.final)
         if other is not None:
-            first = campaign.held_out[0].name
-            campaign = hold_out(given, other)
-            progress(f"beginning anew, with {campaign.held_out[0].name} held out", None)
+            first, campaign = campaign.held_out[0].name, hold_out(given, other)
+            now = campaign.held_out[0].name
+            more = (held_out_instead(first, now),)
+            progress(f"beginning anew, with {now} held out", None)
             setting, choice = _chosen(campaign, model, seed, without, progress, gap=True)
         progress("reading the held-out recordings", None)
-        result = assemble(setting, choice, seed, tolerance)
-    if other is not None:
-        result["notes"].append(held_out_instead(first, campaign.held_out[0].name))
-    result["provenance"] = {
-        "version": __version__,
-        "seed": seed,
-        "data_sha256": campaign.data_sha256,
-        "wall_s": round(time.perf_counter() - begin, 2),
-    }
-    return Examination(setting, choice, Diagnosis.from_dict(plain(result)))
+        result = assemble(setting, choice, seed, tolerance, more)
+    provenance = Provenance(
+        __version__, seed, campaign.data_sha256, round(time.perf_counter() - begin, 2)
+    )
+    found = Diagnosis.of(plain({**result.to_dict(), "provenance": provenance.to_dict()}))
+    return Examination(setting, choice, found)
 
 
 def _chosen(

@@ -16,6 +16,7 @@ from tp_jax.schemas.checking import check, check_version, json_of, read_json
 VERSION = "tp-jax/diagnosis/1"
 CHANNELS = {"phi1": "φ1", "phi2": "φ2"}
 
+Verdict = Literal["explained", "no_gap", "unknown"]
 Interval = tuple[float | None, float | None]
 """Ends of a 95 % interval; None where it is open."""
 Numbers = Annotated[
@@ -50,9 +51,13 @@ class Errors(Record):
 
 @dataclass(frozen=True)
 class LackOfFit(Record):
-    """The test without hypotheses: its p, what the rest looks like, and how much there is of it."""
+    """The test without hypotheses.
 
-    p: float | None = None
+    p: over all sources; source: the one that stands out most, "" if none was asked; ratio: its T
+    over what noise alone would give.
+    """
+
+    p: float
     source: str = ""
     ratio: float | None = None
 
@@ -126,7 +131,10 @@ class FloorParts(Record):
 
 @dataclass(frozen=True)
 class Location(Record):
-    """A place in the rig, its share of the gap, and the part of the motion in which it shows."""
+    """A place in the rig, its share of the gap, and the part of the motion in which it shows.
+
+    share_ci95: of its channel, where that was found without a cause.
+    """
 
     location: str
     channel: str = ""
@@ -178,7 +186,8 @@ class Curve(Record):
 class Agreement(Record):
     """In how many recordings a cause improves the fit, and in which it makes it worse.
 
-    drops: label -> fall of the sum of squares [variances of the noise].
+    drops: label -> fall of the sum of squares there [variances of the noise]: of a fitted recording
+    under numbers fitted without the windows that are looked at, of a held-out one in windows.
     """
 
     improved: int | None = None
@@ -307,7 +316,7 @@ class Correlation(Record):
     """Correlations of the errors of parameters: names (q,), matrix (q, q)."""
 
     names: tuple[str, ...] = ()
-    matrix: tuple[tuple[float, ...], ...] = ()
+    matrix: tuple[tuple[float | None, ...], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -317,7 +326,8 @@ class NextExperiment(Record):
     Attributes:
         omega: frequency of the drive [rad/s]; phi1: release of a decay [rad]; duration [s].
         separates: ids of the effects.
-        expected_sigma: by how many standard errors.
+        expected_sigma: standard errors by which the two, each as large as the data make it, differ
+            on that run alone, everything else re-optimised.
     """
 
     omega: float | None = None
@@ -403,7 +413,7 @@ class DiagnosisRecord(Record):
     schema: str = VERSION
     campaign: str = ""
     model: str = ""
-    verdict: Literal["explained", "no_gap", "unknown"] | None = None
+    verdict: Verdict | None = None
     noise_floor: dict[str, float | None] = field(default_factory=dict)
     noise: dict[str, ChannelNoise] = field(default_factory=dict)
     noise_floor_parts: FloorParts = FloorParts()
