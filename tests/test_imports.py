@@ -38,7 +38,7 @@ ALLOWED: dict[str, set[str]] = {
     "recordings": set(),
     "checks": {"recordings"},
     "acquisition": {"recordings"},
-    "estimation": {"_blas", "_stored", "model", "effects", "simulation", "recordings"},
+    "estimation": {"_blas", "_stored", "model", "effects", "simulation", "recordings", "results"},
     "identifiability": {"model", "effects", "simulation", "recordings", "estimation"},
     # its simulator is to be independent of the model it puts to the test
     "rig": {"recordings", "acquisition"},

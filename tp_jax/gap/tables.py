@@ -64,7 +64,7 @@ def causes(
         elif len(ids) == 1:
             value = shrinks[ids[0]].value if ids[0] in shrinks else None
         else:
-            fit = next((r.refits[r.taken] for r in choice.rounds if r.taken == ids[-1]), None)
+            fit = next((r.refits[ids[-1]] for r in choice.rounds if r.taken == ids[-1]), None)
             value = None  # of one that took another's place nobody asked
             if fit is not None and fit.ids == tuple(ids):
                 effects = [x.effect for x in fit.variants]

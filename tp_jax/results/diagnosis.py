@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, Self
 
 from tp_jax.results.encoding import Record, Schema, schema_of
+from tp_jax.results.sizes import Correlation, Interval, Size
 from tp_jax.schemas import parts
 from tp_jax.schemas.checking import check, check_version, json_of, read_json
 
@@ -17,8 +18,6 @@ VERSION = "tp-jax/diagnosis/1"
 CHANNELS = {"phi1": "φ1", "phi2": "φ2"}
 
 Verdict = Literal["explained", "no_gap", "unknown"]
-Interval = tuple[float | None, float | None]
-"""Ends of a 95 % interval; None where it is open."""
 Numbers = Annotated[
     tuple[float | None, ...], Schema(type=["array", "null"], says="a list of numbers or null")
 ]
@@ -141,24 +140,6 @@ class Location(Record):
     share: float | None = None
     when: str | None = None
     share_ci95: Interval | None = None
-
-
-@dataclass(frozen=True)
-class Size(Record):
-    """A number that was fitted, with its unit; several where every recording has its own."""
-
-    value: Annotated[
-        float | tuple[float, ...] | None,
-        Schema(
-            type=["number", "array", "null"],
-            items=parts.NUMBER,
-            says="a number or null, or a list of one for each recording",
-        ),
-    ] = None
-    unit: str = ""
-    ci95: Interval | None = None
-    identifiable: bool | None = None
-    standard_error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -309,14 +290,6 @@ class Fits(Record):
 
     before: _Fit
     after: _Fit | None
-
-
-@dataclass(frozen=True)
-class Correlation(Record):
-    """Correlations of the errors of parameters: names (q,), matrix (q, q)."""
-
-    names: tuple[str, ...] = ()
-    matrix: tuple[tuple[float | None, ...], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -112,11 +112,12 @@ def _or_null(schema: dict[str, Any]) -> dict[str, Any]:
 
 @cache
 def _fields(kind: type[Record]) -> tuple[tuple[str, str, Any], ...]:
-    """Key in JSON, name and type of each field."""
+    """Key in JSON, name and type of each field that is part of it; a key None says it is not."""
     types = hints_of(kind, include_extras=True)
     return tuple(
         (each.metadata.get("key", each.name), each.name, types[each.name])
         for each in dataclasses.fields(kind)  # type: ignore[arg-type]
+        if each.metadata.get("key", "") is not None
     )
 
 
