@@ -45,7 +45,7 @@ def test_the_rig_is_found(found):
 def test_the_result_is_as_agreed(found):
     result = json.loads(json_text(found.to_dict()))
     check(result, schema_of(IdentificationRecord), "it")
-    assert IdentificationRecord.of(result).to_dict() == result
+    assert IdentificationRecord.read(result).to_dict() == result
     assert result["schema"] == "tp-jax/identify/1"
     assert {
         "model", "method", "parameters", "objective", "chi2_dof", "noise_floor", "starts",

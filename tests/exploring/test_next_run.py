@@ -187,7 +187,7 @@ def test_runs_to_compare():
 
 
 def diagnosis(causes, candidates, confused=(), verdict="unknown"):
-    return DiagnosisRecord.of({
+    return DiagnosisRecord.read({
         "verdict": verdict, "confused_with": [list(group) for group in confused],
         "causes": [{"effect": id, "probability": p} for id, p in causes],
         "candidates": [

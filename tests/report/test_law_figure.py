@@ -43,7 +43,7 @@ def test_the_curve_stands_above_what_was_visited(learned, width):
 
 def test_no_curve_no_figure(made):
     assert figures.law.draw(made("explained")) is None
-    assert pictures.learned(DiagnosisRecord.of(made("explained"))) == []
+    assert pictures.learned(DiagnosisRecord.read(made("explained"))) == []
 
 
 def test_the_page_and_the_text_say_it(learned):

@@ -38,7 +38,7 @@ def test_there_are_stored_ones():
 def test_a_made_up_diagnosis_stays_as_it_is_where_it_fits(kind):
     made = {**KINDS[kind]()}
     made.pop("fits", None)  # not whole
-    assert DiagnosisRecord.of(made).to_dict() == made
+    assert DiagnosisRecord.read(made).to_dict() == made
 
 
 def test_a_field_that_is_not_given_is_no_key():
@@ -51,7 +51,7 @@ def test_a_field_that_is_not_given_is_no_key():
     "copied", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))]
 )
 def test_a_copy_has_the_same_keys(copied):
-    found = DiagnosisRecord.of(diagnosis())
+    found = DiagnosisRecord.read(diagnosis())
     assert copied(found) == found
     assert copied(found).to_dict() == found.to_dict()
 
@@ -69,7 +69,7 @@ def test_a_copy_has_the_same_keys(copied):
     ],
 )  # fmt: skip
 def test_what_does_not_fit_counts_as_missing(given, left):
-    assert DiagnosisRecord.of(given).to_dict() == left
+    assert DiagnosisRecord.read(given).to_dict() == left
 
 
 def test_no_mutation_breaks_what_is_read_without_a_check():
@@ -111,7 +111,7 @@ def test_every_type_has_a_schema_and_no_field_may_be_anything():
 
 
 def test_a_diagnosis_does_what_can_be_done_with_it(tmp_path):
-    found = Diagnosis.of(diagnosis())
+    found = Diagnosis.read(diagnosis())
     assert (found.verdict, found.causes) == ("explained", ["contact_stribeck"])
     assert repr(found) == "Diagnosis('bench': explained by contact_stribeck, shrink 0.98)"
     assert found.summary() == summary(diagnosis())
@@ -122,6 +122,6 @@ def test_a_diagnosis_does_what_can_be_done_with_it(tmp_path):
     assert "&lt;b&gt;" in shown
     assert "<b><b>" not in shown
     assert shown.count("<tr>") == 3
-    assert "<table>" not in Diagnosis.of({})._repr_html_()
+    assert "<table>" not in Diagnosis.read({})._repr_html_()
     run = found.predict(omega=13.0, duration=0.2, rate=50.0)
     assert run.phi1.shape == (11,)

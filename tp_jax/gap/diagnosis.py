@@ -179,7 +179,7 @@ def examine(
     provenance = Provenance(
         __version__, seed, campaign.data_sha256, round(time.perf_counter() - begin, 2)
     )
-    found = Diagnosis.of(plain({**result.to_dict(), "provenance": provenance.to_dict()}))
+    found = Diagnosis.read(plain({**result.to_dict(), "provenance": provenance.to_dict()}))
     return Examination(setting, choice, found)
 
 

@@ -19,7 +19,7 @@ def recordings(
             label=r.label, file=r.name, sha256=r.sha256, held_out=r.held_out, forced=r.forced,
             omega=r.omega, begin=float(r.t[0]), duration=r.duration, samples=r.n,
             started=r.started,
-            start=Start.of(
+            start=Start.read(
                 {
                     state: starts[i].tolist()
                     for state, starts in (("before", before), ("after", after))

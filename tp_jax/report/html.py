@@ -52,7 +52,7 @@ def write_report(
     Raises:
         OSError: a file cannot be written.
     """
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     drawn = pictures.pictures(diagnosis)
     text = _page(diagnosis, drawn, day)
     target = Path(os.path.realpath(path))
@@ -64,7 +64,7 @@ def write_report(
 
 def render(found: Found, *, day: date | None = None) -> str:
     """The report as text; `day`: see `write_report`."""
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     return _page(diagnosis, pictures.pictures(diagnosis), day)
 
 

@@ -37,7 +37,7 @@ def coloured(found: Found) -> "Text":
     """The lines of `summary` with styles: heading, heads of tables, causes, what is gone."""
     from rich.text import Text
 
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     text = Text()
     for i, line in enumerate(summary(diagnosis).splitlines()):
         one = Text(line)

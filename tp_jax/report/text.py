@@ -23,7 +23,7 @@ def summary(found: Found) -> str:
     Returns:
         at most 25 lines without a line feed at the end, no colours.
     """
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     lines = [*_verdict(diagnosis), *_gap(diagnosis), *_causes(diagnosis)]
     rivals, last = _candidates(diagnosis), _last(diagnosis)
     # Long sentences may fill the space. Then an empty line gives way first, next the causes among

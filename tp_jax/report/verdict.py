@@ -60,7 +60,7 @@ class Verdict(NamedTuple):
 
 def sentences(found: Found) -> Verdict:
     """The verdict of a diagnosis in words."""
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     kind, causes = diagnosis.verdict, diagnosis.accepted
     if kind is None:
         return Verdict(

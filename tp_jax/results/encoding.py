@@ -47,7 +47,7 @@ class Record:
 
     @classmethod
     def from_dict(cls, found: Mapping[str, Any]) -> Self:
-        """The result that `to_dict` gave; see `of` for what it may lack.
+        """The result that `to_dict` gave; see `read` for what it may lack.
 
         Raises:
             TypeError: it lacks what this part cannot be without.
@@ -56,7 +56,7 @@ class Record:
         return cls(**{name: value for name, value in values.items() if value is not _UNFIT})
 
     @classmethod
-    def of(cls, found: "Self | Mapping[str, Any]") -> Self:
+    def read(cls, found: "Self | Mapping[str, Any]") -> Self:
         """The same, read where it is a dictionary still.
 
         What does not fit its type counts as missing, and so does a part that lacks what it cannot

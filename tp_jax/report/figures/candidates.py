@@ -25,7 +25,7 @@ def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     Returns:
         None if no candidate has a number.
     """
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     rows = shown(diagnosis)
     if not rows:
         return None

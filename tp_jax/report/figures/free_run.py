@@ -28,7 +28,7 @@ def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | N
     Returns:
         None if there is no such recording.
     """
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     entries = drawable(diagnosis.curves)
     if index >= len(entries):
         return None
@@ -48,7 +48,7 @@ def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | N
 
 def close_up(found: Found, width: float = style.BESIDE) -> "Figure | None":
     """The stretch of a free run in which the model before misses most, in one channel."""
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     curve = worst(diagnosis)
     if curve is None:
         return None

@@ -29,7 +29,7 @@ def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     Returns:
         None if no error is known.
     """
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     rows = shown(diagnosis)
     if not rows:
         return None

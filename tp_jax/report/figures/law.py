@@ -27,7 +27,7 @@ def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | N
     Returns:
         None if there is no such cause.
     """
-    causes = shown(DiagnosisRecord.of(found))
+    causes = shown(DiagnosisRecord.read(found))
     if index >= len(causes):
         return None
     curve = causes[index][1]

@@ -28,7 +28,7 @@ def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     Returns:
         None if nothing is known of any.
     """
-    rows = shown(DiagnosisRecord.of(found))
+    rows = shown(DiagnosisRecord.read(found))
     if not rows:
         return None
     figure = style.new_figure(width, 0.9 + 0.3 * len(rows))

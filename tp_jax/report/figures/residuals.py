@@ -22,7 +22,7 @@ def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | N
     Returns:
         None if there is no such recording.
     """
-    entries = drawable(DiagnosisRecord.of(found).residuals)
+    entries = drawable(DiagnosisRecord.read(found).residuals)
     if index >= len(entries):
         return None
     channels = curves_of(entries[index])

@@ -56,7 +56,7 @@ def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     Returns:
         None if no channel can be mapped.
     """
-    rows = points(DiagnosisRecord.of(found))
+    rows = points(DiagnosisRecord.read(found))
     states = [s for s in ("before", "after") if any(getattr(row, s) is not None for row in rows)]
     if not rows or not states:
         return None

@@ -24,7 +24,7 @@ def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     Returns:
         None if no place has a share.
     """
-    places = shown(DiagnosisRecord.of(found))
+    places = shown(DiagnosisRecord.read(found))
     if not places:
         return None
     shares = [place.share or 0.0 for place in places]

@@ -33,7 +33,7 @@ def row(rig: str, found: Found, report: str = "") -> dict[str, Any]:
         found: its diagnosis, or the dictionary of it.
         report: where its page is, from the fleet's folder.
     """
-    diagnosis = DiagnosisRecord.of(found)
+    diagnosis = DiagnosisRecord.read(found)
     gap, causes = diagnosis.gap, diagnosis.accepted
     first = causes[0] if causes else Cause("")
     # the place of what causes the gap; where nothing is named, of most of the gap
