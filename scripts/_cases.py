@@ -3,7 +3,7 @@
 import os
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +13,10 @@ from scripts._carried_out import carried_out
 from scripts._markdown import circumstances, row
 from tp_jax.cli.arguments import Parser, add_seed
 from tp_jax.cli.diagnose import EXAMPLE
-from tp_jax.cli.output import plain, ready, write_json
+from tp_jax.cli.output import ready, write_json
 from tp_jax.errors import InputError
-from tp_jax.report import reading
 from tp_jax.report.formatting import MISSING, angle, number, percent, percents
+from tp_jax.results.diagnosis import DiagnosisRecord
 
 if TYPE_CHECKING:
     from tp_jax.recordings import Campaign
@@ -63,10 +63,10 @@ def _table(args: Any) -> int:
     print(row(HEAD))
     print(row("---" for _ in HEAD), flush=True)
     for campaign, target in zip(campaigns, targets, strict=True):
-        result = plain(tp.diagnose(campaign, seed=args.seed).to_dict())
+        found = tp.diagnose(campaign, seed=args.seed)
         if target is not None:
-            write_json(target, result)
-        print(row(_cells(result)), flush=True)
+            write_json(target, found.to_dict())
+        print(row(_cells(found)), flush=True)
     print(f"\n{circumstances(args.seed)} Seconds include what had to be compiled.")
     return 0
 
@@ -96,22 +96,20 @@ def _targets(out: str | None, campaigns: "Sequence[Campaign]") -> list[Path | No
     return [Path(out, f"{name or 'campaign'}.json") for name in names]
 
 
-def _cells(result: Mapping[str, Any]) -> list[str]:
-    gap, causes = result["gap"], reading.causes(result)
-    shrink = percent(gap["shrink"])
-    if gap["shrink_ci95"]:
-        shrink += f" ({percents(gap['shrink_ci95'])})"
+def _cells(found: DiagnosisRecord) -> list[str]:
+    gap = found.gap
+    shrink = percent(gap.shrink)
+    if gap.shrink_ci95:
+        shrink += f" ({percents(gap.shrink_ci95)})"
     errors = [
-        " → ".join(angle(gap[state][kind]) for state in ("before", "after"))
-        if causes
-        else angle(gap["before"][kind])
+        " → ".join(angle(getattr(getattr(gap, state), kind)) for state in ("before", "after"))
+        if found.accepted
+        else angle(getattr(gap.before, kind))
         for kind in ("windowed", "free_run")
     ]
-    named = ", ".join(cause["effect"] for cause in causes) or MISSING
-    seconds = number(result["provenance"]["wall_s"], 2)
     return [
-        result["campaign"], result["verdict"], named, shrink, *errors,
-        angle(reading.floor(result)), seconds,
+        found.campaign, found.verdict or MISSING, ", ".join(found.causes) or MISSING, shrink,
+        *errors, angle(found.floor), number(found.provenance.wall_s, 2),
     ]  # fmt: skip
 
 

@@ -28,7 +28,7 @@ def kept(name: str, find: Callable[[], dict[str, Any]]) -> Diagnosis:
             text = json_text(find())
             with replaced(file) as part:
                 part.write_text(text, encoding="utf-8")
-    return Diagnosis(json.loads(file.read_text(encoding="utf-8")))
+    return Diagnosis.from_json(file)
 
 
 HIDDEN = 0.5

@@ -23,6 +23,9 @@ ROOMS = (
     "serve",
     "executors",
     "exploring",
+    "report",
+    "results",
+    "schemas",
 )
 """Folders of the package, with what is in them, whose docstrings are looked at."""
 

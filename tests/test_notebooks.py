@@ -68,8 +68,8 @@ def made_light(notebook, name: str, diagnosis: dict | None, folder: Path) -> Non
         file.write_text(json.dumps(diagnosis), encoding="utf-8")
         first = next(cell for cell in notebook.cells if cell.cell_type == "code")
         first.source = (
-            "import json\nimport tp_jax\nfrom tp_jax.gap.diagnosis import Diagnosis\n"
-            f"_kept = Diagnosis(json.load(open({str(file)!r})))\n"
+            "import tp_jax\n"
+            f"_kept = tp_jax.Diagnosis.from_json({str(file)!r})\n"
             "tp_jax.diagnose = lambda campaign, **options: _kept\n"
         ) + first.source
 

@@ -4,7 +4,7 @@
 
     campaign = tp.load_campaign("case-02")  # a folder with a campaign.toml
     diagnosis = tp.diagnose(campaign)       # where the gap lies, its cause, how far it shrinks
-    print(tp.report.summary(diagnosis.to_dict()))
+    print(diagnosis.summary())
 
 The names below are looked up when first used, so that `import tp_jax` costs nothing and JAX is
 told to compute in 64 bits before any of its arrays exists.

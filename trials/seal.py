@@ -9,8 +9,8 @@ from typing import Any
 
 from tp_jax._files import replaced
 from tp_jax.errors import InputError
+from tp_jax.results.diagnosis import DiagnosisRecord
 from tp_jax.schemas.checking import read_versioned
-from tp_jax.schemas.diagnosis import read_diagnosis as read_diagnosis_file
 from trials.schema import KEY as KEY_SCHEMA
 from trials.schema import KEY_VERSION
 
@@ -122,7 +122,7 @@ def read_diagnosis(root: Path, entry: Mapping[str, Any]) -> dict[str, Any]:
         InputError: it is no diagnosis, or one of other data.
     """
     file = diagnosis_file(root, entry["case"])
-    diagnosis = read_diagnosis_file(file, fits=False)
+    diagnosis = DiagnosisRecord.from_json(file, fits=False).to_dict()
     if "verdict" not in diagnosis:
         raise InputError(f"{file} is no diagnosis: it has no verdict.")
     seen = (diagnosis.get("provenance") or {}).get("data_sha256")

@@ -121,9 +121,9 @@ def _readings(content: bytes, folder: Path) -> None:
 
 def _diagnosis(content: Any, folder: Path) -> None:
     from tp_jax.report import summary
-    from tp_jax.schemas.diagnosis import read_diagnosis
+    from tp_jax.results.diagnosis import DiagnosisRecord
 
-    summary(read_diagnosis(_put(folder, "diagnosis.json", content)))
+    summary(DiagnosisRecord.from_json(_put(folder, "diagnosis.json", content)))
 
 
 _text = _diagnosis

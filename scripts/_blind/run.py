@@ -142,11 +142,11 @@ def _done(
 def diagnose_case(root: Path, name: str, without: Sequence[str] = ()) -> None:
     """Writes the diagnosis of a case beside it, made with the defaults but for `without`."""
     import tp_jax as tp
-    from tp_jax.cli.output import plain, write_json
+    from tp_jax.cli.output import write_json
     from trials.seal import diagnosis_file
 
     diagnosis = tp.diagnose(tp.load_campaign(root / name), without=without)
-    write_json(diagnosis_file(root, name), plain(diagnosis.to_dict()))
+    write_json(diagnosis_file(root, name), diagnosis.to_dict())
 
 
 def _sealed(root: Path, name: str) -> Path:

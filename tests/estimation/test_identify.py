@@ -10,11 +10,12 @@ import pytest
 import tp_jax as tp
 from tests.reference import BENCH
 from tests.rigs import synthetic_campaign
-from tests.schemas.identification import SCHEMA
 from tp_jax.cli.output import json_text
 from tp_jax.estimation import multistart
 from tp_jax.estimation.methods import METHODS, described
 from tp_jax.model.parameters import SHARPEST_EPS
+from tp_jax.results.encoding import schema_of
+from tp_jax.results.identification import IdentificationRecord
 from tp_jax.schemas.checking import check
 
 FIX = {"T0": 4.0}  # three seconds do not tell it
@@ -37,13 +38,14 @@ def test_the_rig_is_found(found):
         assert p["identifiable"], name
         low, high = p["ci95"]
         assert low < p["value"] < high
-    assert found.result["chi2_dof"] == pytest.approx(1.0, abs=0.1)
+    assert found.to_dict()["chi2_dof"] == pytest.approx(1.0, abs=0.1)
     assert found.parameters["T0"] == 4.0
 
 
 def test_the_result_is_as_agreed(found):
     result = json.loads(json_text(found.to_dict()))
-    check(result, SCHEMA, "it")
+    check(result, schema_of(IdentificationRecord), "it")
+    assert IdentificationRecord.read(result).to_dict() == result
     assert result["schema"] == "tp-jax/identify/1"
     assert {
         "model", "method", "parameters", "objective", "chi2_dof", "noise_floor", "starts",
@@ -68,20 +70,21 @@ def test_the_result_is_as_agreed(found):
 
 
 def test_far_starts_find_it_too(found):
-    assert found.result["success"]["reached"] >= 4
+    assert found.to_dict()["success"]["reached"] >= 4
     assert "of 5 starts reached the best" in found.summary()
 
 
 def test_what_is_found_has_sharp_friction(found):
-    assert found.result["provenance"]["eps"] == SHARPEST_EPS
+    assert found.to_dict()["provenance"]["eps"] == SHARPEST_EPS
     assert found.fit.values.get("eps1") == found.fit.values.get("eps2") == SHARPEST_EPS
 
 
 def test_same_seed_same_result(campaign, found):
     again = tp.identify(campaign, starts=5, fix=FIX)
-    for result in (again.result, found.result):
-        assert result["provenance"].pop("wall_s", 0.0) >= 0.0
-    assert json_text(again.to_dict()) == json_text(found.to_dict())
+    results = [each.to_dict() for each in (again, found)]
+    for result in results:
+        assert result["provenance"].pop("wall_s") >= 0.0
+    assert json_text(results[0]) == json_text(results[1])
 
 
 def test_going_on_gives_the_same(campaign, found, tmp_path, monkeypatch):
@@ -102,11 +105,12 @@ def test_going_on_gives_the_same(campaign, found, tmp_path, monkeypatch):
         tp.identify(campaign, starts=5, checkpoint=path, resume=True)
     with pytest.raises(tp.InputError, match="differs in seed"):
         tp.identify(campaign, starts=5, fix=FIX, seed=1, checkpoint=path, resume=True)
-    result = tp.identify(campaign, starts=5, fix=FIX, checkpoint=path, resume=True).result
+    result = tp.identify(campaign, starts=5, fix=FIX, checkpoint=path, resume=True).to_dict()
     assert len(calls) == 6
-    for each in (result, found.result):
-        each["provenance"].pop("wall_s", None)
-    assert json_text(result) == json_text(found.result)
+    first = found.to_dict()
+    for each in (result, first):
+        del each["provenance"]["wall_s"]
+    assert json_text(result) == json_text(first)
 
 
 def test_noise_with_the_fit(campaign, found):
@@ -118,14 +122,14 @@ def test_noise_with_the_fit(campaign, found):
     noisy = dataclasses.replace(campaign, recordings=tuple(soiled))
     plain = tp.identify(noisy, fix=FIX)
     fitted = tp.identify(noisy, fix=FIX, noise="fit")
-    assert plain.result["chi2_dof"] > 1.05 or plain.result["noise_floor"]["phi1"] > 1.5e-3
-    assert fitted.result["chi2_dof"] == pytest.approx(1.0, abs=0.02)
-    assert fitted.result["noise_floor"]["phi1"] == pytest.approx(1.8e-3, rel=0.1)
-    assert fitted.result["noise_floor"]["phi2"] == pytest.approx(1e-3, rel=0.1)
+    assert plain.to_dict()["chi2_dof"] > 1.05 or plain.to_dict()["noise_floor"]["phi1"] > 1.5e-3
+    assert fitted.to_dict()["chi2_dof"] == pytest.approx(1.0, abs=0.02)
+    assert fitted.to_dict()["noise_floor"]["phi1"] == pytest.approx(1.8e-3, rel=0.1)
+    assert fitted.to_dict()["noise_floor"]["phi2"] == pytest.approx(1e-3, rel=0.1)
 
 
 def test_nelder_mead_goes_down(campaign):
-    result = tp.identify(campaign, method="nelder-mead", starts=2, iterations=4, fix=FIX).result
+    result = tp.identify(campaign, method="nelder-mead", starts=2, iterations=4, fix=FIX).to_dict()
     assert result["objective_kind"] == "free-run"
     assert 0.0 < result["objective"] < 1e-2
     assert result["starts"][0]["evaluations"] > 10
@@ -166,8 +170,8 @@ def test_a_solver_of_ones_own(campaign, found):
         """As anyone may bring one along."""
 
     own = tp.identify(campaign, solver=Mine(rtol=1e-6, atol=1e-2, norm=optx.rms_norm), fix=FIX)
-    assert own.result["method"] == "Mine"
-    assert own.result["objective"] == pytest.approx(found.result["objective"], abs=1.0)
+    assert own.to_dict()["method"] == "Mine"
+    assert own.to_dict()["objective"] == pytest.approx(found.to_dict()["objective"], abs=1.0)
     finer = Mine(rtol=1e-7, atol=1e-2, norm=optx.rms_norm)
     assert described(finer) != described(Mine(rtol=1e-6, atol=1e-2, norm=optx.rms_norm))
     assert described(finer) == described(Mine(rtol=1e-7, atol=1e-2, norm=optx.rms_norm))

@@ -20,6 +20,7 @@ from tp_jax.gap.next_run import (
     worth,
 )
 from tp_jax.gap.policy import POLICY
+from tp_jax.results.diagnosis import DiagnosisRecord
 
 POLICY = POLICY.explore
 ANY = Limits()
@@ -197,13 +198,13 @@ def test_runs_to_compare():
 
 
 def diagnosis(causes, candidates, confused=(), verdict="unknown"):
-    return {
+    return DiagnosisRecord.read({
         "verdict": verdict, "confused_with": [list(group) for group in confused],
         "causes": [{"effect": id, "probability": p} for id, p in causes],
         "candidates": [
             {"effect": id, "probability": p, "applicable": p is not None} for id, p in candidates
         ],
-    }  # fmt: skip
+    })  # fmt: skip
 
 
 def test_rivals_of_an_accepted_cause():

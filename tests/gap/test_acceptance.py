@@ -7,6 +7,7 @@ import pytest
 from tp_jax.effects import catalogue
 from tp_jax.gap import acceptance
 from tp_jax.gap.acceptance import has_size, is_worse, least_probable, with_ties
+from tp_jax.results.diagnosis import Errors
 
 
 def result(*ids):
@@ -63,9 +64,9 @@ def test_ties_count_together(monkeypatch):
 
 
 def test_worse_is_worse_in_windows_or_in_a_free_run():
-    before = {"windowed": 1.0, "free_run": 2.0}
-    assert not is_worse(before, {"windowed": 1.01, "free_run": 2.0})
-    assert is_worse(before, {"windowed": 1.1, "free_run": 1.0})
-    assert is_worse(before, {"windowed": 0.5, "free_run": 2.1})
-    assert is_worse(before, {"windowed": 0.5, "free_run": None})
-    assert not is_worse({"windowed": 1.0, "free_run": None}, {"windowed": 0.9, "free_run": 9.0})
+    before = Errors(1.0, 2.0)
+    assert not is_worse(before, Errors(1.01, 2.0))
+    assert is_worse(before, Errors(1.1, 1.0))
+    assert is_worse(before, Errors(0.5, 2.1))
+    assert is_worse(before, Errors(0.5, None))
+    assert not is_worse(Errors(1.0, None), Errors(0.9, 9.0))

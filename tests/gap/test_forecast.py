@@ -21,7 +21,7 @@ RUNS = (Run(omega=9.0), Run(release=0.3))
 
 def test_natural_frequency():
     numbers = {"k": 0.45, "B1": 1.2e-3, "B2": 5e-4}
-    found = natural_frequency({"fits": {"before": {"parameters": numbers}}})
+    found = natural_frequency(numbers)
     assert found == pytest.approx(16.27, abs=0.01)
 
 

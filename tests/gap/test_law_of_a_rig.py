@@ -41,7 +41,7 @@ def found():
     setting = prepare_campaign(campaign, effects=effects)
     baseline = grow(setting, initial_values(setting), setting.unknowns())
     choice = choose_or_learn(setting, baseline, 0, silent)
-    return setting, choice, json.loads(json_text(assemble(setting, choice, 0)))
+    return setting, choice, json.loads(json_text(assemble(setting, choice, 0).to_dict()))
 
 
 def test_the_law_is_named_and_the_gap_is_gone(found):

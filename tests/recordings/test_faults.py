@@ -13,7 +13,7 @@ from tp_jax.acquisition import read_calibration
 from tp_jax.errors import InputError
 from tp_jax.recordings import CampaignError, load_campaign
 from tp_jax.recordings.lines import read_lines
-from tp_jax.schemas.diagnosis import read_diagnosis
+from tp_jax.results.diagnosis import DiagnosisRecord
 
 RUN = "run-13.csv"
 TOML = "campaign.toml"
@@ -375,7 +375,7 @@ def test_what_has_no_end_is_not_read(device, tmp_path):
     for read in (
         lambda: read_lines(file),
         lambda: read_calibration(file),
-        lambda: read_diagnosis(file),
+        lambda: DiagnosisRecord.from_json(file),
     ):
         with pytest.raises(InputError, match="device or a pipe") as fault:
             read()

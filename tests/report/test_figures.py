@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from tests.report.conftest import KINDS
 from tp_jax.report import figures, style, write_report
 from tp_jax.report.figures.curves import curves_of
+from tp_jax.results.diagnosis import DiagnosisRecord, HeldOutRun
 
 DRAW = {
     "free_run": figures.free_run.draw,
@@ -66,9 +67,9 @@ def test_the_map_finds_where_the_model_misses(made):
     diagnosis["residuals"][0]["phi1"] = {
         "before": [9.0 if y > 0.15 else 0.5 for y in curve], "after": [0.5] * len(curve),
     }  # fmt: skip
-    row = figures.state_map.points(diagnosis)[0]
+    row = figures.state_map.points(DiagnosisRecord.read(diagnosis))[0]
     assert row.channel == "phi1"
-    said = figures.state_map.described(diagnosis)
+    said = figures.state_map.described(DiagnosisRecord.read(diagnosis))
     angle = float(said.split("φ1 near ")[1].split(" rad")[0])
     assert angle > 0.12  # the middle of a cell that reaches up from 0.15
     assert "(9 times the noise)" in said
@@ -78,7 +79,7 @@ def test_the_map_takes_velocities_from_the_measured_angle(made):
     diagnosis = made("explained")
     t = diagnosis["curves"][0]["t"]
     diagnosis["curves"][0]["phi1"]["measured"] = [math.sin(6.3 * s) for s in t]
-    row = figures.state_map.points(diagnosis)[0]
+    row = figures.state_map.points(DiagnosisRecord.read(diagnosis))[0]
     assert max(row.velocity) == pytest.approx(6.3, rel=0.01)
 
 
@@ -86,7 +87,7 @@ def test_a_rider_that_winds_on_is_mapped_within_a_turn(made):
     diagnosis = made("explained")
     t = diagnosis["curves"][0]["t"]
     diagnosis["curves"][0]["phi2"]["measured"] = [9.0 * s for s in t]
-    row = figures.state_map.points(diagnosis)[1]
+    row = figures.state_map.points(DiagnosisRecord.read(diagnosis))[1]
     assert -math.pi <= min(row.angle) < max(row.angle) <= math.pi
 
 
@@ -231,6 +232,6 @@ def test_a_whole_report_needs_no_jax_and_no_pyplot(tmp_path):
 
 def test_a_number_over_which_no_axis_can_be_drawn_breaks_the_curve():
     entry = {"t": [0.0, 1.0, 2.0], "phi1": {"measured": [0.1, 1e308, 0.2]}}
-    (curve,) = curves_of(entry)
+    (curve,) = curves_of(HeldOutRun.read(entry))
     assert np.isnan(curve.measured).tolist() == [False, True, False]
-    assert curves_of(entry | {"t": [1e300, 1e301, 1e302]}) == []
+    assert curves_of(HeldOutRun.read(entry | {"t": [1e300, 1e301, 1e302]})) == []

@@ -7,8 +7,10 @@ from html.parser import HTMLParser
 
 import pytest
 
+from scripts._attack.small import fit
 from tp_jax.report import run_tables, tables, words
 from tp_jax.report.html import render, write_report
+from tp_jax.results.diagnosis import DiagnosisRecord
 
 VOID = {"meta", "link", "br", "img", "hr", "input"}
 MOST_BYTES = 3_000_000
@@ -136,28 +138,32 @@ def test_recordings_are_listed_with_their_use(made):
 
 def test_what_is_gone_on_each_recording_stands_beside_it(made):
     diagnosis = made("explained")
-    assert "gap gone, not fitted" not in run_tables.data(diagnosis).head
+    assert "gap gone, not fitted" not in run_tables.data(DiagnosisRecord.read(diagnosis)).head
     diagnosis["gap"]["shrink_by_recording"] = {"run-06.csv": 0.934, "decay.csv": None}
-    table = run_tables.data(diagnosis)
+    table = run_tables.data(DiagnosisRecord.read(diagnosis))
     assert table.head[-1] == "gap gone, not fitted"
     assert [row[-1] for row in table.rows] == ["–", "93 %", "–"]
     assert "gap gone, not fitted" in Page(render(diagnosis)).text
 
 
 def test_errors_stand_by_recording_and_angle(made):
-    table = run_tables.runs(made("explained"))
+    table = run_tables.runs(DiagnosisRecord.read(made("explained")))
     assert [row[:2] for row in table.rows] == [("run-17.csv", "φ1"), ("run-17.csv", "φ2")]
     windows_before, windows_after = table.rows[1][2:4]
     assert float(windows_before.split()[0]) > 3.0 * float(windows_after.split()[0])
     assert len(table.head) == 7
-    assert run_tables.runs(made("unknown")).head[2:] == ("windows", "free run", "noise")
-    assert run_tables.runs(made("bare")) is None
+    assert run_tables.runs(DiagnosisRecord.read(made("unknown"))).head[2:] == (
+        "windows",
+        "free run",
+        "noise",
+    )
+    assert run_tables.runs(DiagnosisRecord.read(made("bare"))) is None
 
 
 def test_without_a_cause_there_is_no_after(made):
     diagnosis = made("no_gap")
     diagnosis["gap"]["after"] = dict(diagnosis["gap"]["before"])  # as `diagnose` writes it
-    assert "after" not in tables.gap(diagnosis).head
+    assert "after" not in tables.gap(DiagnosisRecord.read(diagnosis)).head
 
 
 def test_a_floor_of_two_parts_is_said(made):
@@ -260,7 +266,8 @@ def test_dates_and_scale(made):
     diagnosis = made("explained")
     diagnosis["recordings"][0]["started"] = "2026-11-23T10:00:00+00:00"
     diagnosis["recordings"][1]["started"] = "2026-11-20T10:00:00+00:00"
-    diagnosis["fits"]["before"] = {"parameters": {"B1": 1.284614e-3}}
+    diagnosis["fits"] = {"before": fit(), "after": None}
+    diagnosis["fits"]["before"]["parameters"]["B1"] = 1.284614e-3
     said = Page(render(diagnosis, day=date(2026, 11, 26))).text
     assert "recorded 2026-11-20 to 2026-11-23" in said
     assert "report of 2026-11-26" in said

@@ -9,6 +9,7 @@ pytest.importorskip("matplotlib")
 
 from tp_jax.report import figures, pictures, style, summary, verdict, words
 from tp_jax.report.html import render
+from tp_jax.results.diagnosis import Cause, Curve, DiagnosisRecord
 
 X = np.linspace(-0.6, 0.7, 101)
 Y = 0.4 * np.cos(3.0 * X)
@@ -42,7 +43,7 @@ def test_the_curve_stands_above_what_was_visited(learned, width):
 
 def test_no_curve_no_figure(made):
     assert figures.law.draw(made("explained")) is None
-    assert pictures.learned(made("explained")) == []
+    assert pictures.learned(DiagnosisRecord.read(made("explained"))) == []
 
 
 def test_the_page_and_the_text_say_it(learned):
@@ -56,6 +57,5 @@ def test_the_page_and_the_text_say_it(learned):
 def test_a_family_is_a_clause():
     said = words.effect("bearing_dry.phi1")
     assert said.startswith("the bearing's dry friction changes with the column's angle")
-    assert verdict.sizes({"curve": {"y": [0.0, 1.0], "y_unit": "rad"}}) == [
-        "a curve from 0 to 1.00 rad"
-    ]
+    curve = Curve(x=(0.0, 1.0), y=(0.0, 1.0), y_unit="rad")
+    assert verdict.sizes(Cause("bearing_dry.phi1", curve=curve)) == ["a curve from 0 to 1.00 rad"]

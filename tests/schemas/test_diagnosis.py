@@ -12,8 +12,8 @@ from scripts._attack.small import diagnosis
 from tp_jax.cli import main
 from tp_jax.errors import InputError
 from tp_jax.report import summary
+from tp_jax.results.diagnosis import DiagnosisRecord
 from tp_jax.schemas.checking import read_json
-from tp_jax.schemas.diagnosis import read_diagnosis
 
 
 @pytest.fixture(autouse=True)
@@ -45,7 +45,7 @@ del_ = object()
 
 def test_a_whole_one_is_read(file):
     file.write_text(json.dumps(diagnosis()))
-    assert read_diagnosis(file) == diagnosis()
+    assert DiagnosisRecord.from_json(file).to_dict() == diagnosis()
 
 
 def test_a_diagnosis_of_the_program_is_let_through(file):
@@ -55,7 +55,7 @@ def test_a_diagnosis_of_the_program_is_let_through(file):
         made[key] = None
     made["fits"]["after"] = None
     file.write_text(json.dumps(made))
-    read_diagnosis(file)
+    DiagnosisRecord.from_json(file)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_a_diagnosis_of_the_program_is_let_through(file):
 def test_the_field_is_named(path, value, said, file):
     file.write_text(json.dumps(changed(path, value)))
     with pytest.raises(InputError) as fault:
-        read_diagnosis(file)
+        DiagnosisRecord.from_json(file)
     text = str(fault.value)
     assert text.startswith(str(file))
     assert said in text
@@ -114,7 +114,7 @@ def test_the_field_is_named(path, value, said, file):
 def test_what_is_no_diagnosis(text, said, file):
     file.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=said):
-        read_diagnosis(file)
+        DiagnosisRecord.from_json(file)
 
 
 def test_bytes_that_are_no_text(file):
@@ -127,7 +127,7 @@ def test_what_is_nested_too_deeply(file):
     text = json.dumps(changed("notes", None)).replace("null}", "[" * 700 + "]" * 700 + "}")
     file.write_text(text)
     with contextlib.suppress(InputError):  # whether it is too deep depends on the Python
-        read_diagnosis(file)
+        DiagnosisRecord.from_json(file)
 
 
 def test_no_mutation_breaks_the_summary(file):
@@ -135,7 +135,7 @@ def test_no_mutation_breaks_the_summary(file):
     for seed in range(600):
         file.write_text(json.dumps(mutated(diagnosis(), seed)))
         try:
-            made = read_diagnosis(file)
+            made = DiagnosisRecord.from_json(file)
         except InputError:
             seen["refused"] += 1
         else:

@@ -30,10 +30,10 @@ def run(args: argparse.Namespace) -> None:
     ready(args.html, args.json)
 
     from tp_jax.report import comparison
-    from tp_jax.schemas.diagnosis import read_diagnosis
+    from tp_jax.results.diagnosis import DiagnosisRecord
 
     files = [Path(each) for each in (args.a, args.b)]
-    a, b = (read_diagnosis(f / "diagnosis.json" if f.is_dir() else f) for f in files)
+    a, b = (DiagnosisRecord.from_json(f / "diagnosis.json" if f.is_dir() else f) for f in files)
     if args.json is not None:
         write_json(args.json, comparison.compared(a, b))
     if args.html is not None:

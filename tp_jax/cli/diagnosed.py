@@ -67,8 +67,6 @@ def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> d
     from tp_jax.gap.shared.scores import write
 
     examination = examine(campaign, **asked)
-    result = plain(examination.result)
-    causes = [cause["effect"] for cause in result["causes"]]
-    seen = examination.choice.rounds[0].screen
-    write(made_folder(folder) / SCREEN, rig_scores(folder.name, seen, causes, asked["seed"]))
-    return result
+    found, seen = examination.diagnosis, examination.choice.rounds[0].screen
+    write(made_folder(folder) / SCREEN, rig_scores(folder.name, seen, found.causes, asked["seed"]))
+    return found.to_dict()

@@ -162,7 +162,7 @@ def _diagnoser(args: argparse.Namespace, limits: "Limits") -> "Callable[[Path], 
         from tp_jax._config import enable_compilation_cache
 
         enable_compilation_cache()
-        from tp_jax.cli.output import plain, replaced, write_json
+        from tp_jax.cli.output import replaced, write_json
         from tp_jax.cli.progress import shown
         from tp_jax.exploring.loop import announced_amplitude
         from tp_jax.gap.diagnosis import examine
@@ -176,10 +176,9 @@ def _diagnoser(args: argparse.Namespace, limits: "Limits") -> "Callable[[Path], 
             progress("comparing runs", None)
             found = outlook(examination, limits, args.duration, amplitude)
             progress("writing the report", None)
-            result = plain(examination.result)
-            write_json(folder / REPORT / "diagnosis.json", result)
+            write_json(folder / REPORT / "diagnosis.json", examination.diagnosis.to_dict())
             with replaced(folder / REPORT / "report.html") as part:
-                write_report(result, part, figures=False)
+                write_report(examination.diagnosis, part, figures=False)
         return found
 
     return diagnose

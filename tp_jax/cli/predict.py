@@ -46,9 +46,9 @@ def run(args: argparse.Namespace) -> None:
         sample_count(args.duration, args.rate)
     ready(args.out, overwrite=args.overwrite)
 
-    from tp_jax.schemas.diagnosis import read_diagnosis
+    from tp_jax.results.diagnosis import DiagnosisRecord
 
-    diagnosis = read_diagnosis(args.diagnosis)
+    diagnosis = DiagnosisRecord.from_json(args.diagnosis).to_dict()
     if args.recording is not None:
         _check_length(args)
 

@@ -2,7 +2,6 @@
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -11,90 +10,93 @@ from tp_jax.estimation.baseline import Setting
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.multistart import Trial
 from tp_jax.model.parameters import BASE
+from tp_jax.results.identification import (
+    IdentificationRecord,
+    StartRecord,
+    SuccessRecord,
+    Warned,
+)
+from tp_jax.results.sizes import Size
 
-SHOWN = ("value", "unit", "ci95", "identifiable")
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Identification(IdentificationRecord):
+    """Result of `identify`; `to_dict` gives it as plain numbers, schema tp-jax/identify/1.
 
-@dataclasses.dataclass(frozen=True)
-class Identification:
-    """Result of `identify`; `to_dict` gives it as plain numbers.
-
-    result: see there. fit: the best, at the longest horizon. trials: all starts, in order.
+    fit: the best, at the longest horizon. trials: all starts, in order. Neither is in `to_dict`.
     """
 
-    result: dict[str, Any]
-    fit: Fit
-    trials: tuple[Trial, ...] = ()
+    fit: Fit = dataclasses.field(metadata={"key": None})
+    trials: tuple[Trial, ...] = dataclasses.field(default=(), metadata={"key": None})
 
     def __repr__(self) -> str:
-        r = self.result
         told = ", ".join(f"{name}={value:.4g}" for name, value in self.parameters.items())
-        return f"Identification({r['campaign']!r} by {r['method']}: {told})"
+        return f"Identification({self.campaign!r} by {self.method}: {told})"
 
     @property
     def parameters(self) -> dict[str, float]:
         """Value of each parameter by name [SI units]."""
-        return {n: p["value"] for n, p in self.result["parameters"].items()}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema tp-jax/identify/1."""
-        return self.result
+        return {name: _value(size) for name, size in self.sizes.items()}
 
     def summary(self) -> str:
         """A table for a terminal."""
-        r = self.result
         lines = [
-            f"{r['campaign']}: {r['model']} model, {r['method']}, chi2/dof {r['chi2_dof']:.4g}"
+            f"{self.campaign}: {self.model} model, {self.method}, chi2/dof {self.chi2_dof:.4g}"
         ]
         lines.append(f"{'':8}{'value':>12}  {'95 % interval':<26} unit")
-        for name, p in r["parameters"].items():
-            low, high = p["ci95"] or (None, None)
-            digits, span = 5, "fixed" if p["ci95"] is None else "at its bound"
+        for name, p in self.sizes.items():
+            value, (low, high) = _value(p), p.ci95 or (None, None)
+            digits, span = 5, "fixed" if p.ci95 is None else "at its bound"
             if low is not None and high is not None:
-                digits = max(digits_of(p["value"], low, high), 4)
+                digits = max(digits_of(value, low, high), 4)
                 span = f"{low:.{digits}g} to {high:.{digits}g}"
-            mark = "" if p["identifiable"] else "  not identifiable"
-            lines.append(f"{name:8}{p['value']:12.{digits}g}  {span:<26} {p['unit']}{mark}")
-        lines.append(told(r["success"], r["starts"]))
-        lines += [f"Warning: {w['text']}" for w in r["warnings"]]
+            mark = "" if p.identifiable else "  not identifiable"
+            lines.append(f"{name:8}{value:12.{digits}g}  {span:<26} {p.unit}{mark}")
+        lines.append(told(self.success, self.starts))
+        lines += [f"Warning: {w.text}" for w in self.warnings]
         return "\n".join(lines)
 
 
-def told(success: dict[str, Any], starts: Sequence[dict[str, Any]]) -> str:
+def _value(size: Size) -> float:
+    assert isinstance(size.value, float | int)  # a parameter has one value
+    return size.value
+
+
+def told(success: SuccessRecord, starts: Sequence[StartRecord]) -> str:
     """Says how many starts succeeded, and at what cost."""
-    reached, of = success["reached"], success["of"]
-    if of == 1:
-        return f"One start, {starts[0]['evaluations']} passes over the data."
-    low, high = success["ci95"]
-    text = f"{reached} of {of} starts reached the best"
-    text += f" (95 %: {100 * low:.0f} to {100 * high:.0f} %)"
-    cost = success["expected_evaluations"]
+    if success.of == 1:
+        return f"One start, {starts[0].evaluations} passes over the data."
+    low, high = success.ci95 or (None, None)
+    text = f"{success.reached} of {success.of} starts reached the best"
+    if low is not None and high is not None:
+        text += f" (95 %: {100 * low:.0f} to {100 * high:.0f} %)"
+    cost = success.expected_evaluations
     if cost is not None:
         text += f"; {cost:.0f} passes over the data are expected until one does"
-    failed = sum(s["objective"] is None for s in starts)
+    failed = sum(start.objective is None for start in starts)
     if failed:
         text += f"; {failed} could not be integrated"
     return text + "."
 
 
-def parameter_table(found: dict[str, dict], setting: Setting) -> dict[str, dict]:
+def parameter_table(found: dict[str, dict], setting: Setting) -> dict[str, Size]:
     """Every parameter: value, unit, ci95, whether the data identify it; found: see `intervals`."""
+    sizes = {
+        n: Size(e["value"], e["unit"], e["ci95"] and tuple(e["ci95"]), e["identifiable"])
+        for n, e in found.items()
+    }
     out = {}
     for p in BASE:
-        if p.name in found:
-            out[p.name] = {k: found[p.name][k] for k in SHOWN}
+        if p.name in sizes:
+            out[p.name] = sizes[p.name]
         elif p.name in setting.fixed:
-            out[p.name] = _held(setting.fixed[p.name], p.unit)
+            out[p.name] = Size(setting.fixed[p.name], p.unit, None, True)
         elif p.name == "Ts2" and setting.rider:
-            out["Ts2"] = {**_held(0.0, p.unit), "identifiable": False}
-    return out | {n: {k: e[k] for k in SHOWN} for n, e in found.items() if n not in out}
+            out["Ts2"] = Size(0.0, p.unit, None, False)
+    return {**out, **sizes}
 
 
-def _held(value: float, unit: str) -> dict[str, Any]:
-    return {"value": value, "unit": unit, "ci95": None, "identifiable": True}
-
-
-def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[dict]:
+def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[Warned]:
     """Lists what a user must know before using the numbers; entries: see `intervals`."""
     found = []
     torques = [p.name for p in BASE if p.per_inertia]
@@ -145,7 +147,7 @@ def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[dict]
     return found
 
 
-def start_warnings(trials: Sequence[Trial], reached: Sequence[bool]) -> list[dict]:
+def start_warnings(trials: Sequence[Trial], reached: Sequence[bool]) -> list[Warned]:
     """Warns of what the starts say about the answer."""
     failed = [t for t in trials if not np.isfinite(t.end.cost)]
     found = []
@@ -161,11 +163,11 @@ def start_warnings(trials: Sequence[Trial], reached: Sequence[bool]) -> list[dic
     return found
 
 
-def _warning(code: str, parameters: list[str], text: str) -> dict:
-    return {"code": code, "parameters": parameters, "text": text}
+def _warning(code: str, parameters: list[str], text: str) -> Warned:
+    return Warned(code=code, parameters=tuple(parameters), text=text)
 
 
-def _free_scale(torques: list[str], reason: str) -> dict:
+def _free_scale(torques: list[str], reason: str) -> Warned:
     text = (
         f"No torque is measured and {reason}: {', '.join(torques)} are known only relative to B1."
     )

@@ -35,8 +35,14 @@ from tp_jax.estimation.starts import starts as made_starts
 from tp_jax.estimation.success import success
 from tp_jax.model.plausible import check_values
 from tp_jax.recordings import Campaign
+from tp_jax.results.identification import (
+    VERSION,
+    IdentifyProvenance,
+    StartRecord,
+    SuccessRecord,
+)
+from tp_jax.results.sizes import Correlation
 
-SCHEMA = "tp-jax/identify/1"
 REACHED = 1.0  # chi-square within which a start counts as having reached the best
 NOISE_ROUNDS = 4
 SETTLED = 0.01  # relative change of a noise level that is not worth another round
@@ -134,28 +140,29 @@ def identify(
     lowest = trials[best].end.cost
     reached = [t.end.cost - lowest <= REACHED for t in trials]
     found = success(reached, [t.alone for t in trials])
-    result = {
-        "schema": SCHEMA,
-        "campaign": campaign.name,
-        "model": model,
-        "method": methods.name_of(chosen),
-        "objective_kind": aim,
-        "parameters": parameter_table(entries, setting),
-        "correlation": correlations(fit, setting),
-        "objective": trials[best].end.objective,
-        "chi2_dof": fit.chi2_dof,
-        "noise_floor": dict(setting.noise),
-        "starts": [t.record(i) for i, t in enumerate(trials)],
-        "success": found.to_dict(),
-        "warnings": [*warnings(fit, setting, entries), *start_warnings(trials, reached)],
-        "provenance": {
-            "version": __version__, "seed": seed, "data_sha256": campaign.data_sha256,
-            "eps": fit.values.get("eps2"), "horizon_s": fit.problem.windows.horizon, "loss": loss,
-            "noise": noise, "sampling": sampling, "raw_starts": raw_starts,
-            "wall_s": round(time.perf_counter() - begin, 2),
-        },
-    }  # fmt: skip
-    return Identification(result, fit, tuple(trials))
+    return Identification(
+        schema=VERSION,
+        campaign=campaign.name,
+        model=model,
+        method=methods.name_of(chosen),
+        objective_kind=aim,
+        sizes=parameter_table(entries, setting),
+        correlation=Correlation.read(correlations(fit, setting)),
+        objective=trials[best].end.objective,
+        chi2_dof=fit.chi2_dof,
+        noise_floor={**setting.noise},
+        starts=tuple(StartRecord.read(t.record(i)) for i, t in enumerate(trials)),
+        success=SuccessRecord.read(found.to_dict()),
+        warnings=(*warnings(fit, setting, entries), *start_warnings(trials, reached)),
+        provenance=IdentifyProvenance(
+            version=__version__, seed=seed, data_sha256=campaign.data_sha256,
+            eps=fit.values.get("eps2"), horizon_s=fit.problem.windows.horizon, loss=loss,
+            noise=noise, sampling=sampling, raw_starts=raw_starts,
+            wall_s=round(time.perf_counter() - begin, 2),
+        ),
+        fit=fit,
+        trials=tuple(trials),
+    )  # fmt: skip
 
 
 def _rebuilt(ladder: Ladder, trial: Trial) -> Fit:

@@ -21,6 +21,7 @@ from tp_jax.gap.held_out import HeldOut, evaluate
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.probability import cause_probabilities
 from tp_jax.gap.refit import Refit, polish, sharper
+from tp_jax.results.diagnosis import Errors
 
 MOST_TIED = 3  # effects of a group that counts as one
 
@@ -50,7 +51,7 @@ def without_harm(
 def _predicts_worse(setting: Setting, before: Refit, after: Refit, horizon: float) -> bool:
     """True where held-out recordings are predicted worse by the second model."""
 
-    def errors_of(result: Refit) -> dict[str, float | None]:
+    def errors_of(result: Refit) -> Errors:
         held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
         return errors(held, free_errors(setting, result.fit, horizon)[1])
 
@@ -156,13 +157,13 @@ def least_probable(setting: Setting, choice: Choice, probabilities: dict[str, fl
     return min(every, default=1.0)
 
 
-def is_worse(before: dict, after: dict) -> bool:
+def is_worse(before: Errors, after: Errors) -> bool:
     """True where held-out recordings are predicted worse, in windows or in a free run."""
-    for how in ("windowed", "free_run"):
-        old, new = before[how], after[how]
-        if old is not None and (new is None or not new <= POLICY.verdict.worse * old):
-            return True
-    return False
+    pairs = ((before.windowed, after.windowed), (before.free_run, after.free_run))
+    return any(
+        old is not None and (new is None or not new <= POLICY.verdict.worse * old)
+        for old, new in pairs
+    )
 
 
 def free_errors(
@@ -177,7 +178,7 @@ def free_errors(
     return starts, dict(zip(which, runs, strict=True))
 
 
-def errors(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, float | None]:
+def errors(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> Errors:
     """Root mean square errors [rad] on held-out recordings, in windows and in free runs."""
     setting = windowed.fit.problem
     squares = []
@@ -187,4 +188,4 @@ def errors(windowed: HeldOut, free: dict[int, np.ndarray] | None) -> dict[str, f
     value = float(np.sqrt(np.mean(squares))) if squares else None
     if value is not None and not np.isfinite(value):
         value = None
-    return {"windowed": float(np.sqrt(windowed.mean_square())), "free_run": value}
+    return Errors(float(np.sqrt(windowed.mean_square())), value)

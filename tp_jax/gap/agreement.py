@@ -4,8 +4,6 @@ A cause that is in the rig shows wherever the motion calls for it; one that is c
 oddity of a single recording improves that one alone.
 """
 
-import dataclasses
-
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
@@ -13,28 +11,11 @@ from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.crossvalidation import left_out_cost
 from tp_jax.gap.held_out import HeldOut
+from tp_jax.results.diagnosis import Agreement
 
 NOTICED = 4.0
 """Drop of a recording's sum of squares [variances of the noise] that counts: two standard
 deviations of one number. Less is as much as noise moves it either way."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Agreement:
-    """Agreement of the recordings on one cause, each by itself.
-
-    Attributes:
-        improved: how many recordings it fits better. of: how many were asked.
-        worse: labels of those that it fits worse.
-        drops: label -> by how much the sum of squares falls there [variances of the noise]: of a
-            fitted recording under numbers fitted without the windows that are looked at, of a
-            held-out one in windows.
-    """
-
-    improved: int
-    of: int
-    worse: tuple[str, ...]
-    drops: dict[str, float]
 
 
 def agreement(

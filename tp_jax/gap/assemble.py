@@ -1,7 +1,7 @@
 """A diagnosis from a choice of causes: what the held-out recordings say, and every table of it."""
 
 import dataclasses
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from tp_jax.gap.acceptance import (
     without_doubt,
     without_harm,
 )
-from tp_jax.gap.agreement import agreement
 from tp_jax.gap.by_recording import shrink_by_recording
 from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import Choice
@@ -33,12 +32,23 @@ from tp_jax.gap.screen import screen
 from tp_jax.gap.series import curves, recordings, residuals
 from tp_jax.gap.structure import structure_test
 from tp_jax.gap.verdict import Evidence, combined, verdict
+from tp_jax.results.diagnosis import (
+    VERSION,
+    Correlation,
+    DiagnosisRecord,
+    Fits,
+    FloorParts,
+    Gap,
+    LackOfFits,
+    Misfits,
+    Size,
+)
 
-SCHEMA = "tp-jax/diagnosis/1"
 
-
-def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0) -> dict[str, Any]:
-    """The result as `diagnosis.json` has it, without its provenance."""
+def assemble(
+    setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0, more: Sequence[str] = ()
+) -> DiagnosisRecord:
+    """The result as `diagnosis.json` has it, without its provenance; `more`: notes at its end."""
     horizon = _common_horizon(setting, choice.baseline.problem.windows.horizon)
     choice, dropped = without_harm(setting, choice, horizon)
     choice, probabilities, doubts = without_doubt(setting, choice, horizon)
@@ -58,9 +68,9 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
     total = shrink(setting, before, after, seed, least)
     first = choice.rounds[0]
     excess = _excess(setting, baseline, least)
-    anything = {"before": free_structure(setting, baseline)}
-    anything["after"] = free_structure(setting, final.fit) if final.ids else anything["before"]
-    structure_p = combined(first.structure.p, anything["before"].p, excess)
+    before_rest = free_structure(setting, baseline)
+    after_rest = free_structure(setting, final.fit) if final.ids else before_rest
+    structure_p = combined(first.structure.p, before_rest.p, excess)
     structure_p = min(choice.looks * structure_p, 1.0)
     structure_p_after = structure_p
     if final.ids:
@@ -69,7 +79,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
         if dropped or doubts.gone:  # the last round looked beside causes that are gone
             seen = screen(final.fit, setting, skip=final.ids, states=False)
             rest = structure_test(seen, seed)
-        structure_p_after = combined(rest.p, anything["after"].p, left)
+        structure_p_after = combined(rest.p, after_rest.p, left)
     start_before, free_before = free_errors(setting, baseline, horizon)
     start_after, free_after = (
         free_errors(setting, final.fit, horizon) if final.ids else (start_before, free_before)
@@ -80,7 +90,7 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
         _evidence(
             setting, choice, before, after, least, structure_p, structure_p_after,
             least_probable(setting, choice, probabilities), total, bool(worse),
-            gap_before["free_run"], gap_after["free_run"],
+            gap_before.free_run, gap_after.free_run,
         ), tolerance,
     )  # fmt: skip
     no_gap = word == "no_gap"
@@ -96,73 +106,63 @@ def assemble(setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0
         rounds = tuple(dataclasses.replace(r, taken=None) for r in choice.rounds)
         choice = dataclasses.replace(choice, rounds=rounds, final=final)
     said = notes(
-        setting, choice, final, word, structure_p_after, anything["after"], least,
+        setting, choice, final, word, structure_p_after, after_rest, least,
         before.complete and after.complete, worse or dropped, doubts,
     )  # fmt: skip
-    where = [] if no_gap else locate(choice, setting, seed)
+    where = () if no_gap else locate(choice, setting, seed)
     said += elsewhere(where, final)
     said += beyond_its_range(setting, final, after.fit)
     labels = [r.label for r in setting.recordings]
     against = why_no_cause(choice, worse or dropped, doubts)
-    named = tables.causes(
-        setting, choice, final, begun, shrinks, total, probabilities, horizon, seed, least,
-        doubts.unnamed,
-    )  # fmt: skip
-    if named:
-        id = named[0]["effect"]
-        agreed = agreement(id, setting, choice, begun, held.get(id))
-        named[0]["agreement"] = None if agreed is None else dataclasses.asdict(agreed)
-    return {
-        "schema": SCHEMA,
-        "campaign": setting.campaign.name,
-        "model": setting.model,
-        "verdict": word,
-        "noise_floor": least.total,
-        "noise": tables.noise(setting),
-        "noise_floor_parts": {"noise": least.noise, "calibration": least.calibration},
-        "gap": {
-            "before": gap_before,
-            "after": gap_after if ids else gap_before,
-            "shrink": total.value if ids else (None if not total.significant else 0.0),
-            "shrink_ci95": list(total.ci95) if ids and total.ci95 else None,
-            "shrink_by_recording": (
-                shrink_by_recording(setting, choice, horizon, seed) if ids else {}
+    fit_before = fit_record(carried_over(baseline.values, setting), (), labels)
+    fit_after = fit_record(carried_over(final.fit.values, setting), ids, labels) if ids else None
+    return DiagnosisRecord(
+        schema=VERSION,
+        campaign=setting.campaign.name,
+        model=setting.model,
+        verdict=word,
+        noise_floor={**least.total},
+        noise=tables.noise(setting),
+        noise_floor_parts=FloorParts({**least.noise}, {**least.calibration}),
+        gap=Gap(
+            before=gap_before,
+            after=gap_after if ids else gap_before,
+            shrink=total.value if ids else (None if not total.significant else 0.0),
+            shrink_ci95=total.ci95 if ids else None,
+            shrink_by_recording=(
+                {**shrink_by_recording(setting, choice, horizon, seed)} if ids else {}
             ),
-            "held_out": [setting.recordings[i].name for i in setting.held_out],
-            "horizon_s": horizon,
-            "removable_significant": total.significant,
-            "structure_p": structure_p,
-            "structure_p_after": structure_p_after if ids else None,
-            "free_structure": {
-                when: dataclasses.asdict(found)
-                for when, found in anything.items()
-                if ids or when == "before"
-            },
-            "excess_z": excess,
-            "tolerance": tolerance,
-            "rejected": [*worse, *dropped, *doubts.gone],
-            "chi2_dof": {"before": baseline.chi2_dof, "after": final.fit.chi2_dof},
-        },
-        "where": [dataclasses.asdict(s) for s in where],
-        "causes": named,
-        "candidates": tables.candidates(setting, choice, probabilities, shrinks, against),
-        "confused_with": tied(setting, choice, no_gap),
-        "minimum_detectable": tables.detectable(choice),
-        "absorbed": tables.absorbed(setting, baseline, final.fit) if ids else {},
-        "fits": {
-            "before": fit_record(carried_over(baseline.values, setting), (), labels),
-            "after": fit_record(carried_over(final.fit.values, setting), ids, labels)
-            if ids
-            else None,
-        },
-        "parameters": intervals(final.fit, setting),
-        "correlation": correlations(final.fit, setting),
-        "next_experiment": tables.next_experiment(setting, choice, no_gap),
-        "recordings": recordings(setting, start_before, start_after, bool(ids)),
-        "curves": curves(setting, free_before, free_after if ids else None),
-        "residuals": residuals(setting, before, after if ids else None, least),
-        "notes": said,
-    }
+            held_out=tuple(setting.recordings[i].name for i in setting.held_out),
+            horizon_s=horizon,
+            removable_significant=total.significant,
+            structure_p=structure_p,
+            structure_p_after=structure_p_after if ids else None,
+            free_structure=(
+                LackOfFits(before_rest, after_rest) if ids else LackOfFits(before_rest)
+            ),
+            excess_z=excess,
+            tolerance=tolerance,
+            rejected=(*worse, *dropped, *doubts.gone),
+            chi2_dof=Misfits(baseline.chi2_dof, final.fit.chi2_dof),
+        ),
+        where=tuple(where),
+        accepted=tables.causes(
+            setting, choice, final, begun, held, shrinks, total, probabilities, horizon, seed,
+            least, doubts.unnamed,
+        ),
+        candidates=tables.candidates(setting, choice, probabilities, shrinks, against),
+        confused_with=tuple(map(tuple, tied(setting, choice, no_gap))),
+        minimum_detectable=tables.detectable(choice),
+        absorbed=tables.absorbed(setting, baseline, final.fit) if ids else {},
+        fits=Fits.read({"before": fit_before, "after": fit_after}),
+        parameters={n: Size.read(e) for n, e in intervals(final.fit, setting).items()},
+        correlation=Correlation.read(correlations(final.fit, setting)),
+        next_experiment=tables.next_experiment(setting, choice, no_gap),
+        recordings=recordings(setting, start_before, start_after if ids else {}),
+        curves=curves(setting, free_before, free_after if ids else None),
+        residuals=residuals(setting, before, after if ids else None, least),
+        notes=(*said, *more),
+    )  # fmt: skip
 
 
 def _evidence(

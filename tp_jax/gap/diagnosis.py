@@ -4,11 +4,12 @@ import dataclasses
 import time
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
 from tp_jax._blas import one_blas_thread
+from tp_jax._files import plain
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
@@ -18,47 +19,85 @@ from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.known_noise import choose_under_noise
 from tp_jax.gap.notes import held_out_instead
+from tp_jax.gap.predict import predict
 from tp_jax.gap.visited import inside_of_others
 from tp_jax.recordings import Campaign, hold_out
+from tp_jax.report.excerpt import excerpt
+from tp_jax.report.html import write_report
+from tp_jax.report.text import summary
+from tp_jax.results.diagnosis import DiagnosisRecord, Provenance
+from tp_jax.simulation.solve import Trajectory
 
 
 @dataclasses.dataclass(frozen=True)
-class Diagnosis:
-    """Result of `diagnose`; `to_dict` is diagnosis.json."""
-
-    result: dict[str, Any]
+class Diagnosis(DiagnosisRecord):
+    """Result of `diagnose`: the contents of diagnosis.json, and what can be made of them."""
 
     def __repr__(self) -> str:
         by = f" by {' and '.join(self.causes)}" if self.causes else ""
-        shrink = self.result["gap"]["shrink"]
+        shrink = self.gap.shrink
         part = f", shrink {shrink:.3g}" if self.causes and shrink is not None else ""
-        return f"Diagnosis({self.result['campaign']!r}: {self.verdict}{by}{part})"
+        return f"Diagnosis({self.campaign!r}: {self.verdict}{by}{part})"
 
-    @property
-    def verdict(self) -> str:
-        """explained, no_gap or unknown."""
-        return self.result["verdict"]
+    def _repr_html_(self) -> str:
+        return excerpt(self)
 
-    @property
-    def causes(self) -> list[str]:
-        """Ids of the accepted causes, in order of contribution."""
-        return [c["effect"] for c in self.result["causes"]]
+    def summary(self) -> str:
+        """The verdict in at most 25 lines of plain text; see `tp_jax.report.summary`."""
+        return summary(self)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The result as plain numbers, lists and strings."""
-        return self.result
+    def write_report(self, path: str | Path, *, figures: bool = False) -> None:
+        """Writes the report as one HTML file; see `tp_jax.report.write_report`.
+
+        Args:
+            path: the file; its folder must exist.
+            figures: whether to write them to `figures/` beside it too, as PNG and SVG.
+
+        Raises:
+            OSError: a file cannot be written.
+        """
+        write_report(self, path, figures=figures)
+
+    def predict(
+        self,
+        *,
+        omega: float | None = None,
+        phi1: float | None = None,
+        recording: str | Path | None = None,
+        duration: float | None = None,
+        rate: float | None = None,
+        model: Literal["before", "after"] | None = None,
+    ) -> Trajectory:
+        """Predicts a run never seen; see `tp_jax.predict`.
+
+        Args:
+            omega: frequency of a forced run from rest [rad/s].
+            phi1: angle from which a decay is released, the motor at rest [rad].
+            recording: a file of the campaign whose drive and start are to be used. Exactly one of
+                these three says which run.
+            duration: length [s]; that of the recording if None.
+            rate: samples per second [Hz]; those of the recording if None.
+            model: None: after, or before where no cause was accepted.
+
+        Raises:
+            InputError: in one sentence, what is wrong with the arguments or the diagnosis.
+        """
+        return predict(
+            self, omega=omega, phi1=phi1, recording=recording, duration=duration, rate=rate,
+            model=model,
+        )  # fmt: skip
 
 
 @dataclasses.dataclass(frozen=True)
 class Examination:
     """A diagnosis with the fits it rests on.
 
-    setting, choice: of the diagnosis; result: as in diagnosis.json.
+    setting, choice: of the diagnosis.
     """
 
     setting: Setting
     choice: Choice
-    result: dict[str, Any]
+    diagnosis: Diagnosis
 
 
 def _silent(stage: str, fraction: float | None) -> None:
@@ -97,11 +136,10 @@ def diagnose(
         A `Diagnosis`. The choice of causes uses the fitted recordings alone; the held-out ones
         are read once, after it.
     """
-    examination = examine(
+    return examine(
         campaign, model=model, seed=seed, tolerance=tolerance, without=without, progress=progress,
         checkpoint=checkpoint, resume=resume,
-    )  # fmt: skip
-    return Diagnosis(examination.result)
+    ).diagnosis  # fmt: skip
 
 
 @one_blas_thread()
@@ -128,23 +166,21 @@ def examine(
     kept = fits_checkpoint(checkpoint, resume, campaign, asked)
     with keeping(kept):
         setting, choice = _chosen(campaign, model, seed, without, progress)
+        more: tuple[str, ...] = ()
         other = None if given.held_out else inside_of_others(setting, choice.final)
         if other is not None:
-            first = campaign.held_out[0].name
-            campaign = hold_out(given, other)
-            progress(f"beginning anew, with {campaign.held_out[0].name} held out", None)
+            first, campaign = campaign.held_out[0].name, hold_out(given, other)
+            now = campaign.held_out[0].name
+            more = (held_out_instead(first, now),)
+            progress(f"beginning anew, with {now} held out", None)
             setting, choice = _chosen(campaign, model, seed, without, progress, gap=True)
         progress("reading the held-out recordings", None)
-        result = assemble(setting, choice, seed, tolerance)
-    if other is not None:
-        result["notes"].append(held_out_instead(first, campaign.held_out[0].name))
-    result["provenance"] = {
-        "version": __version__,
-        "seed": seed,
-        "data_sha256": campaign.data_sha256,
-        "wall_s": round(time.perf_counter() - begin, 2),
-    }
-    return Examination(setting, choice, result)
+        result = assemble(setting, choice, seed, tolerance, more)
+    provenance = Provenance(
+        __version__, seed, campaign.data_sha256, round(time.perf_counter() - begin, 2)
+    )
+    found = Diagnosis.read(plain({**result.to_dict(), "provenance": provenance.to_dict()}))
+    return Examination(setting, choice, found)
 
 
 def _chosen(

@@ -1,6 +1,5 @@
 """The next experiment: which run would tell two effects apart that these data cannot."""
 
-import dataclasses
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -13,23 +12,9 @@ from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.windows import Prepared, cut
 from tp_jax.gap.screen import Scored, pseudo_inverse
+from tp_jax.results.diagnosis import NextExperiment
 
 DURATION = 10.0  # s
-
-
-@dataclasses.dataclass(frozen=True)
-class Proposal:
-    """A run and what it is expected to do.
-
-    expected_sigma: standard deviations by which the two effects, each as large as these data
-    make it, would differ on that run alone, everything else re-optimised.
-    """
-
-    omega: float
-    forced: bool
-    duration: float
-    separates: tuple[str, str]
-    expected_sigma: float
 
 
 def rehearsal(
@@ -65,7 +50,7 @@ def rehearsal(
     return problem_of
 
 
-def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None:
+def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> NextExperiment | None:
     """The best of a few sine runs; None where the drive is measured or no sine can be set."""
     omegas = [r.omega for r in setting.recordings if r.forced and r.omega]
     if not setting.sine or not omegas:
@@ -112,4 +97,7 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> Proposal | None
         )
         sigmas.append(float(np.sqrt(max(ea @ V @ ea, 0.0))))
     best = int(np.argmax(sigmas))
-    return Proposal(float(grid[best]), True, DURATION, (a.id, b.id), sigmas[best])
+    return NextExperiment(
+        omega=float(grid[best]), forced=True, duration=DURATION, separates=(a.id, b.id),
+        expected_sigma=sigmas[best],
+    )  # fmt: skip

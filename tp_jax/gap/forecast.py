@@ -56,9 +56,8 @@ class Alternative:
     misfit: float
 
 
-def natural_frequency(diagnosis: Mapping[str, Any]) -> float:
-    """Frequency of column and rider together without friction [rad/s], of a diagnosis' baseline."""
-    numbers = diagnosis["fits"]["before"]["parameters"]
+def natural_frequency(numbers: Mapping[str, float]) -> float:
+    """Frequency of column and rider together without friction [rad/s], by a model's parameters."""
     return float(np.sqrt(numbers["k"] / (numbers["B1"] + numbers.get("B2", 0.0))))
 
 
@@ -222,14 +221,15 @@ def outlook(
     Raises:
         InputError: the drive's amplitude is not known, and no recording shows it.
     """
-    setting, result = examination.setting, examination.result
+    setting, diagnosis = examination.setting, examination.diagnosis
+    assert diagnosis.fits is not None  # it was just made
     if limits.drives and not setting.sine and amplitude is None:
         raise InputError(
             "The rig does not announce the amplitude of its drive, and no recording shows it yet; "
             "give it in rad as --amplitude, so that driven runs can be predicted."
         )
-    found = finding_of(result, policy)
-    runs = runs_to_compare(natural_frequency(result), limits, policy)
+    found = finding_of(diagnosis, policy)
+    runs = runs_to_compare(natural_frequency(diagnosis.fits.before.parameters), limits, policy)
     expected = forecasts(
         setting, examination.choice, found.first, list(found.rivals), runs, duration, amplitude
     )

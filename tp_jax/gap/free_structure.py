@@ -32,25 +32,15 @@ from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.gap import calibration
 from tp_jax.gap.free_torques import FreeColumns, errors_of_readings
 from tp_jax.gap.policy import POLICY, StructurePolicy
+from tp_jax.results.diagnosis import LackOfFit
 
 SIZES = (0.0, 10.0)  # tau
 LEAST = 1e-12  # p: of the tail beyond, the approximation knows nothing
 
 
-@dataclasses.dataclass(frozen=True)
-class FreeStructure:
-    """p: family-wise, over all sources; source: the one that stands out most, "" if none was asked;
-    ratio: its T over what noise alone would give.
-    """
-
-    p: float
-    source: str
-    ratio: float
-
-
 def free_structure(
     setting: Setting, fit: Fit, policy: StructurePolicy = POLICY.structure
-) -> FreeStructure:
+) -> LackOfFit:
     """Test that a fit leaves nothing but noise.
 
     Args:
@@ -63,12 +53,12 @@ def free_structure(
     coarse = _coarse(setting)
     asked = np.array([not (_channels(n) & coarse) for n in readings.source], dtype=bool)
     if not asked.any():
-        return FreeStructure(1.0, "", 1.0)
+        return LackOfFit(1.0, "", 1.0)
     free = FreeColumns(readings.jac[:, :, asked], readings.source[asked], readings.weight[asked])
     source = free.source
     scores = free_scores(setting, fit, free)
     noise = _mean_squares(fit, lin.r + np.einsum("wmx,wx->wm", lin.states_jac, scores.state_step))
-    best = FreeStructure(1.0, "", 1.0)
+    best = LackOfFit(1.0, "", 1.0)
     tests = 0
     known = 1.0 + (policy.colour if fit.problem.coloured else 0.0)
     for name in dict.fromkeys(source.tolist()):
@@ -84,7 +74,7 @@ def free_structure(
             ratio = float((z**2 / (1.0 + tau * value)).sum() / (mean * phi))
             p = float(tails.fisher(ratio / known, mean**2 / square, max(fit.dof, 1)))
             if p < best.p or not best.source:
-                best = FreeStructure(p, name, ratio)
+                best = LackOfFit(p, name, ratio)
     return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))
 
 

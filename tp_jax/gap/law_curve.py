@@ -1,7 +1,5 @@
 """The curve of a learned law, as a diagnosis reports it: values, a band, where motion went."""
 
-from typing import Any
-
 import numpy as np
 
 from tp_jax import _tails as tails
@@ -14,6 +12,7 @@ from tp_jax.estimation.layout import Unknown
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.short_formula import short_formula
 from tp_jax.gap.visited import visited
+from tp_jax.results.diagnosis import Curve, Visited
 
 POINTS = 101
 """Points of the curve: its polynomials turn twelve times."""
@@ -22,18 +21,16 @@ BINS = 40
 """Bins of the histogram of visited values."""
 
 
-def curve_of(setting: Setting, fit: Fit, variant: Variant) -> dict[str, Any]:
+def curve_of(setting: Setting, fit: Fit, variant: Variant) -> tuple[Curve, str | None]:
     """A law's curve over what the fitted recordings visited.
 
     Args:
         setting, fit: the campaign, and a fit with the law. variant: the law, with its range.
 
     Returns:
-        argument, unit: over what it is drawn; x (n,), y (n,), in `y_unit`, ci95 (n, 2): the curve
-        and its band at 95 %; formula: a short one that says the same within the band, or None;
-        visited {edges (b + 1,), share (b,)}: how the samples spread over the argument. y is what
-        the law adds to the model without it: to a friction a part of its mean, to the spring what
-        is not linear, else what is not constant.
+        The curve with its band, and a short formula that says the same within the band, or None. y
+        is what the law adds to the model without it: to a friction a part of its mean, to the
+        spring what is not linear, else what is not constant.
     """
     law = variant.effect
     assert isinstance(law, Law)
@@ -60,16 +57,13 @@ def curve_of(setting: Setting, fit: Fit, variant: Variant) -> dict[str, Any]:
     sd = np.sqrt(np.maximum(np.einsum("nk,kl,nl->n", basis, every[np.ix_(mine, mine)], basis), 0.0))
     sd = tails.student_level(0.025, float(np.min(dof[mine]))) * sd / level
     share, edges = np.histogram(samples, bins=BINS, range=(x[0], x[-1]))
-    return {
-        "argument": law.argument.symbol,
-        "unit": law.argument.unit,
-        "x": x.tolist(),
-        "y": y.tolist(),
-        "y_unit": law.place.unit,
-        "ci95": np.stack([y - sd, y + sd], axis=1).tolist(),
-        "formula": short_formula(x, y, sd, law.argument.symbol, sided=law.argument.sided),
-        "visited": {"edges": edges.tolist(), "share": (share / share.sum()).tolist()},
-    }
+    found = Curve(
+        argument=law.argument.symbol, unit=law.argument.unit, x=tuple(x.tolist()),
+        y=tuple(y.tolist()), y_unit=law.place.unit,
+        ci95=tuple(zip((y - sd).tolist(), (y + sd).tolist(), strict=True)),
+        visited=Visited(tuple(edges.tolist()), tuple((share / share.sum()).tolist())),
+    )  # fmt: skip
+    return found, short_formula(x, y, sd, law.argument.symbol, sided=law.argument.sided)
 
 
 def _basis(x: np.ndarray, middle: float, half: float) -> np.ndarray:

@@ -1,7 +1,5 @@
 """Place of the gap: shares of locations, and the component of the motion it goes with."""
 
-import dataclasses
-
 import numpy as np
 
 from tp_jax.effects import CHANNELS
@@ -15,25 +13,12 @@ from tp_jax.gap.free_torques import free_columns
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import removable
 from tp_jax.gap.variance_components import VarianceComponents, attribute
+from tp_jax.results.diagnosis import Location
 
 EXPLAINED = 0.9  # of the removable gap: causes that take so much say where it lies themselves
 
 
-@dataclasses.dataclass(frozen=True)
-class Share:
-    """Part of the removable sum of squares that belongs to a location.
-
-    share_ci95: of its channel, where that was found without a cause.
-    """
-
-    location: str
-    channel: str
-    share: float
-    when: str
-    share_ci95: tuple[float, float] | None = None
-
-
-def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
+def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Location]:
     """Shares by location, largest first; they sum to one.
 
     Causes that explain the gap, or leave no structure, say where it lies: each has what it took
@@ -57,7 +42,7 @@ def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Share]:
     if last and (removable(last[0]) <= (1.0 - EXPLAINED) * total or nothing_left):
         norm = sum(taken.values())
         ranked = sorted(taken.items(), key=lambda kv: -kv[1])
-        return [Share(p, CHANNELS[p], v / norm, when[p]) for p, v in ranked if v > 0.0]
+        return [Location(p, CHANNELS[p], v / norm, when[p], None) for p, v in ranked if v > 0.0]
     return _without_cause(choice, setting, taken, when, seed)
 
 
@@ -68,7 +53,7 @@ def _standing_for(choice: Choice, taken: str) -> str:
     return next((t.cause for t in choice.tested if t.rival == taken), taken)
 
 
-def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
+def _without_cause(choice, setting, taken, when, seed) -> list[Location]:
     fit = choice.rounds[0].before
     free = free_columns(setting, fit)
     base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
@@ -105,7 +90,7 @@ def _without_cause(choice, setting, taken, when, seed) -> list[Share]:
             after = after + base_jac @ alone.shared
             text = densest(lin, after, location)
         interval = (float(min(low, share)), float(max(high, share)))
-        shares.append(Share(location, n, float(share), text, interval))
+        shares.append(Location(location, n, float(share), text, interval))
     return shares
 
 

@@ -8,11 +8,12 @@ Box and Hill (1967), Technometrics 9, 57-71.
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from tp_jax.gap.policy import POLICY, ExplorePolicy
+from tp_jax.results.diagnosis import DiagnosisRecord
 
 NOTHING = "nothing"
 """The rival of a cause that is not accepted yet: the model as it is, without any effect."""
@@ -109,27 +110,23 @@ class Stop:
     sentence: str
 
 
-def finding_of(diagnosis: Mapping[str, Any], policy: ExplorePolicy = POLICY.explore) -> Finding:
-    """Reads from diagnosis.json the first cause and its rivals, without forecasts.
+def finding_of(diagnosis: DiagnosisRecord, policy: ExplorePolicy = POLICY.explore) -> Finding:
+    """Reads from a diagnosis the first cause and its rivals, without forecasts.
 
     An effect that these data cannot tell from the first (`confused_with`) is a rival however small
     its probability.
     """
-    causes = tuple((c["effect"], float(c["probability"])) for c in diagnosis["causes"])
+    causes = tuple((c.effect, c.probability or 0.0) for c in diagnosis.accepted)
     accepted = {id for id, _ in causes}
-    likely = {
-        c["effect"]: float(c["probability"] or 0.0)
-        for c in diagnosis["candidates"]
-        if c["applicable"]
-    }
-    verdict = diagnosis["verdict"]
+    likely = {c.effect: c.probability or 0.0 for c in diagnosis.candidates if c.applicable}
+    verdict = diagnosis.verdict or "unknown"
     if verdict == "no_gap" or not (causes or likely):
         return Finding(verdict, causes)
     first = causes[0][0] if causes else max(likely, key=lambda id: likely[id])
     probability = causes[0][1] if causes else likely[first]
     if not causes and probability < policy.rival:
         return Finding(verdict)
-    alike = {id for group in diagnosis["confused_with"] if first in group for id in group}
+    alike = diagnosis.tied_with(first)
     others = {
         id: p
         for id, p in likely.items()

@@ -10,12 +10,11 @@ from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.acceptance import Doubts
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.choice import Choice
-from tp_jax.gap.free_structure import FreeStructure
-from tp_jax.gap.location import Share
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
 from tp_jax.gap.visited import share_outside
 from tp_jax.recordings.noise import noise_level
+from tp_jax.results.diagnosis import LackOfFit, Location
 
 
 def notes(
@@ -24,7 +23,7 @@ def notes(
     final: Refit,
     word: str,
     structure_p_after: float,
-    anything: FreeStructure,
+    anything: LackOfFit,
     least: Floor,
     complete: bool,
     worse: Sequence[str] = (),
@@ -125,7 +124,7 @@ def why_no_cause(choice: Choice, worse: Sequence[str], doubts: Doubts) -> dict[s
     }
 
 
-def elsewhere(where: Sequence[Share], final: Refit) -> list[str]:
+def elsewhere(where: Sequence[Location], final: Refit) -> list[str]:
     """Says why the gap is said to lie where no cause is, if it is.
 
     Args:
@@ -179,7 +178,7 @@ def _joined(numbers: Sequence[int]) -> str:
     return " or ".join(map(str, numbers))
 
 
-def _likeness(anything: FreeStructure) -> list[str]:
+def _likeness(anything: LackOfFit) -> list[str]:
     """Says what the readings look like that no cause explains, where that can be said."""
     if anything.p >= POLICY.structure.left:
         return []

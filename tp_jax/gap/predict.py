@@ -16,11 +16,12 @@ from tp_jax.model.pendulum import AbstractTorsionPendulum, SingleTorsionPendulum
 from tp_jax.model.plausible import span
 from tp_jax.recordings import local_polynomial
 from tp_jax.recordings.lookup import recording_of
+from tp_jax.results.diagnosis import Found
 from tp_jax.simulation.solve import Trajectory, simulate
 
 
 def predict(
-    diagnosis: Mapping[str, Any],
+    found: Found,
     *,
     omega: float | None = None,
     phi1: float | None = None,
@@ -34,12 +35,12 @@ def predict(
     Exactly one of `omega`, `phi1` and `recording` says which run.
 
     Args:
-        diagnosis: as in diagnosis.json.
+        found: a diagnosis, or the dictionary of it.
         omega: frequency of a forced run from rest [rad/s].
         phi1: angle from which a decay is released, the motor at rest [rad].
         recording: a file of the campaign whose drive and start are to be used.
         duration: length [s]; that of the recording if None.
-        rate: samples per second; those of the recording if None.
+        rate: samples per second [Hz]; those of the recording if None.
         model: "before" or "after"; None: after, or before where no cause was accepted.
 
     Returns:
@@ -52,6 +53,7 @@ def predict(
     given = [x is not None for x in (omega, phi1, recording)]
     if sum(given) != 1:
         raise InputError("A prediction needs exactly one of omega, phi1 and recording.")
+    diagnosis = found if isinstance(found, Mapping) else found.to_dict()
     try:
         if model is None:
             model = "before" if diagnosis["fits"]["after"] is None else "after"

@@ -1,33 +1,34 @@
 """Curves and residuals of the held-out recordings, thinned, for a report to draw."""
 
-from typing import Any
-
 import numpy as np
 
 from tp_jax.estimation.baseline import Setting
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.held_out import HeldOut
+from tp_jax.results.diagnosis import HeldOutRun, Numbers, RecordingUsed, Series, Start
 
 THINNED = 600  # points of a curve in the result
 
 
-def recordings(setting: Setting, before: dict, after: dict, explained: bool) -> list[dict]:
+def recordings(
+    setting: Setting, before: dict[int, np.ndarray], after: dict[int, np.ndarray]
+) -> tuple[RecordingUsed, ...]:
     """The recordings, and the estimated states at the start of those held out."""
-    rows = []
-    for i, r in enumerate(setting.recordings):
-        start = {}
-        if i in before:
-            start = {"before": before[i].tolist()}
-            if explained:
-                start["after"] = after[i].tolist()
-        rows.append(
-            {
-                "label": r.label, "file": r.name, "sha256": r.sha256, "held_out": r.held_out,
-                "forced": r.forced, "omega": r.omega, "begin": float(r.t[0]),
-                "duration": r.duration, "samples": r.n, "started": r.started, "start": start,
-            }
-        )  # fmt: skip
-    return rows
+    return tuple(
+        RecordingUsed(
+            label=r.label, file=r.name, sha256=r.sha256, held_out=r.held_out, forced=r.forced,
+            omega=r.omega, begin=float(r.t[0]), duration=r.duration, samples=r.n,
+            started=r.started,
+            start=Start.read(
+                {
+                    state: starts[i].tolist()
+                    for state, starts in (("before", before), ("after", after))
+                    if i in starts
+                }
+            ),
+        )
+        for i, r in enumerate(setting.recordings)
+    )  # fmt: skip
 
 
 def _thin(n: int) -> np.ndarray:
@@ -36,55 +37,57 @@ def _thin(n: int) -> np.ndarray:
 
 def curves(
     setting: Setting, before: dict[int, np.ndarray] | None, after: dict[int, np.ndarray] | None
-) -> list[dict]:
+) -> tuple[HeldOutRun, ...]:
     """Free runs of the held-out recordings beside what was measured [rad]."""
-    out = []
-    for i in setting.held_out:
-        assert before is not None  # what is held out has free runs
-        p = setting.prepared[i]
-        keep = _thin(p.t.size)
-        row: dict[str, Any] = {"recording": setting.recordings[i].label, "t": p.t[keep].tolist()}
-        for c, name in enumerate(("phi1", "phi2")):
-            row[name] = None
-            if p.channels[c]:
-                row[name] = {
-                    "measured": p.y[keep, c].tolist(),
-                    "before": before[i][keep, c].tolist(),
-                    "after": None if after is None else after[i][keep, c].tolist(),
-                }
-        out.append(row)
-    return out
+    begun = before or {}  # what is held out has free runs
+    return tuple(
+        _run(setting, i, setting.prepared[i].y, begun[i], None if after is None else after[i])
+        for i in setting.held_out
+    )
 
 
-def residuals(setting: Setting, before: HeldOut, after: HeldOut | None, least: Floor) -> list[dict]:
+def residuals(
+    setting: Setting, before: HeldOut, after: HeldOut | None, least: Floor
+) -> tuple[HeldOutRun, ...]:
     """Windowed residuals of the held-out recordings in units of the floor.
 
     NaN in a window through which the model could not be integrated.
     """
-    out = []
-    total = least.total.items()
     windows = before.fit.problem.windows
-    for i in setting.held_out:
-        p = setting.prepared[i]
-        unit = {n: s / x if x else 1.0 for s, (n, x) in zip(p.sigma, total, strict=False)}
+
+    def of(held: HeldOut, i: int) -> np.ndarray:
+        lin = held.fit.linearisation
+        r = np.where(lin.complete[:, None], lin.samples, np.nan)
         mine = np.flatnonzero(windows.recording == i)
-        series = {}
-        for name, held in (("before", before), ("after", after)):
-            if held is None:
-                series[name] = None
-                continue
-            lin = held.fit.linearisation
-            r = np.where(lin.complete[:, None], lin.samples, np.nan)
-            rows = [r[j, : 2 * windows.count[j]].reshape(-1, 2) for j in mine]
-            series[name] = np.concatenate(rows)
-        keep = _thin(p.t.size)
-        row: dict[str, Any] = {"recording": setting.recordings[i].label, "t": p.t[keep].tolist()}
-        for c, name in enumerate(("phi1", "phi2")):
-            row[name] = None
-            if p.channels[c]:
-                row[name] = {
-                    k: None if x is None else (x[keep, c] * unit[name]).tolist()
-                    for k, x in series.items()
-                }
-        out.append(row)
-    return out
+        found = np.concatenate([r[j, : 2 * windows.count[j]].reshape(-1, 2) for j in mine])
+        for c, (sd, x) in enumerate(
+            zip(setting.prepared[i].sigma, least.total.values(), strict=False)
+        ):
+            found[:, c] *= sd / x if x else 1.0
+        return found
+
+    return tuple(
+        _run(setting, i, None, of(before, i), None if after is None else of(after, i))
+        for i in setting.held_out
+    )
+
+
+def _run(
+    setting: Setting, i: int, measured: np.ndarray | None, before: np.ndarray,
+    after: np.ndarray | None,
+) -> HeldOutRun:  # fmt: skip
+    """A recording's readings (n, 2), or residuals where nothing is measured, thinned."""
+    p = setting.prepared[i]
+    keep = _thin(p.t.size)
+
+    def numbers(of: np.ndarray | None, c: int) -> Numbers | None:
+        return None if of is None else tuple(of[keep, c].tolist())
+
+    def series(c: int) -> Series | None:
+        if not p.channels[c]:
+            return None
+        given = {} if measured is None else {"measured": numbers(measured, c)}
+        return Series(**given, before=numbers(before, c), after=numbers(after, c))
+
+    t = tuple(p.t[keep].tolist())
+    return HeldOutRun(setting.recordings[i].label, t, series(0), series(1))

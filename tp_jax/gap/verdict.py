@@ -5,6 +5,7 @@ import dataclasses
 from tp_jax import _tails as tails
 from tp_jax.gap.held_out import Shrink
 from tp_jax.gap.policy import POLICY, Policy, StructurePolicy
+from tp_jax.results.diagnosis import Verdict
 
 
 @dataclasses.dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Evidence:
     worse: bool = False
 
 
-def verdict(e: Evidence, tolerance: float = 0.0, policy: Policy = POLICY) -> str:
+def verdict(e: Evidence, tolerance: float = 0.0, policy: Policy = POLICY) -> Verdict:
     """no_gap, explained or unknown.
 
     Args:

@@ -1,11 +1,9 @@
 """What each figure shows, in words: its caption, and its text for those who do not see it."""
 
-from collections.abc import Mapping
-from typing import Any
-
-from tp_jax.report import figures, reading, words
+from tp_jax.report import figures, words
 from tp_jax.report.figures.curves import curves_of, dense, drawable
 from tp_jax.report.formatting import percent
+from tp_jax.results.diagnosis import DiagnosisRecord, HeldOutRun
 
 _FAR = 3.0  # standard errors
 
@@ -15,12 +13,12 @@ GAP = (
 )
 
 
-def close_up(diagnosis: Mapping[str, Any]) -> str:
+def close_up(diagnosis: DiagnosisRecord) -> str:
     """Of the stretch of a run that is missed most."""
     curve = figures.free_run.worst(diagnosis)
     if curve is None:
         return ""
-    entry = drawable(diagnosis, "curves")[0]
+    entry = drawable(diagnosis.curves)[0]
     which = _recording(entry)
     if curve.t.size < curves_of(entry)[0].t.size:
         which = f"The part of {which} where the model misses most"
@@ -30,9 +28,9 @@ def close_up(diagnosis: Mapping[str, Any]) -> str:
     )
 
 
-def run(diagnosis: Mapping[str, Any], index: int) -> str:
+def run(diagnosis: DiagnosisRecord, index: int) -> str:
     """Of a free run."""
-    entry = drawable(diagnosis, "curves")[index]
+    entry = drawable(diagnosis.curves)[index]
     return (
         f"Free run over {_recording(entry)}, from its first moments on: {_lines(entry)} The better "
         "the model, the closer it stays to the grey. Below each angle, the model's error on a "
@@ -41,9 +39,9 @@ def run(diagnosis: Mapping[str, Any], index: int) -> str:
     )
 
 
-def windows(diagnosis: Mapping[str, Any], index: int) -> str:
+def windows(diagnosis: DiagnosisRecord, index: int) -> str:
     """Of residuals over time."""
-    entry = drawable(diagnosis, "residuals")[index]
+    entry = drawable(diagnosis.residuals)[index]
     return (
         f"Residuals over {_recording(entry)}, each window started anew. A complete model leaves "
         "95 % of them inside the grey band and no pattern; "
@@ -51,7 +49,7 @@ def windows(diagnosis: Mapping[str, Any], index: int) -> str:
     )
 
 
-def over_states(diagnosis: Mapping[str, Any]) -> str:
+def over_states(diagnosis: DiagnosisRecord) -> str:
     """Of residuals over angle and velocity."""
     most = figures.state_map.described(diagnosis)
     caption = (
@@ -63,30 +61,31 @@ def over_states(diagnosis: Mapping[str, Any]) -> str:
     return f"{caption} Before, the largest miss is of {most}." if most else caption
 
 
-def where(diagnosis: Mapping[str, Any]) -> str:
+def where(diagnosis: DiagnosisRecord) -> str:
     """Of the shares of the places."""
     shares = figures.where.shown(diagnosis)
     if not shares:
         return ""
-    place = words.location(reading.text(shares[0], "location"))
+    place = words.location(shares[0].location)
     return (
         "Share of the gap by place in the rig. The longest bar says where to look first: "
-        f"{place}, with {percent(shares[0].get('share'))}."
+        f"{place}, with {percent(shares[0].share)}."
     )
 
 
-def law(diagnosis: Mapping[str, Any], index: int) -> str:
+def law(diagnosis: DiagnosisRecord, index: int) -> str:
     """Of the curve of a learned cause."""
-    cause = figures.law.shown(diagnosis)[index]
-    formula = reading.text(cause, "formula")
-    said = f"Within its band it is {formula}." if formula else "No short formula stays in its band."
+    cause, _ = figures.law.shown(diagnosis)[index]
+    said = "No short formula stays in its band."
+    if cause.formula:
+        said = f"Within its band it is {cause.formula}."
     return (
-        f"The curve that was learned: {words.effect(reading.text(cause, 'effect'))}. {said} Below, "
+        f"The curve that was learned: {words.effect(cause.effect)}. {said} Below, "
         "how often the fitted recordings were there; beyond, nothing is known of the curve."
     )
 
 
-def candidates(diagnosis: Mapping[str, Any]) -> str:
+def candidates(diagnosis: DiagnosisRecord) -> str:
     """Of the candidates' bars."""
     caption = (
         f"The {len(figures.candidates.shown(diagnosis))} most probable candidates, each added to "
@@ -94,10 +93,10 @@ def candidates(diagnosis: Mapping[str, Any]) -> str:
         "fitted on; where it is much shorter than the grey one, the linear forecast was too "
         "hopeful. No blue bar: not refitted."
     )
-    return f"{caption} Bold: accepted." if reading.causes(diagnosis) else caption
+    return f"{caption} Bold: accepted." if diagnosis.accepted else caption
 
 
-def moved(diagnosis: Mapping[str, Any]) -> str:
+def moved(diagnosis: DiagnosisRecord) -> str:
     """Of the parameters' shifts."""
     caption = "How far each parameter had been pulled aside to hide what was missing."
     rows = figures.moved.shown(diagnosis)
@@ -113,10 +112,10 @@ def moved(diagnosis: Mapping[str, Any]) -> str:
     return f"{caption} {more}"
 
 
-def _lines(entry: Mapping[str, Any]) -> str:
+def _lines(entry: HeldOutRun) -> str:
     """What is drawn how."""
     joined = all(dense(curve) for curve in curves_of(entry))
-    after = any(reading.table(entry, channel).get("after") for channel in reading.CHANNELS)
+    after = any(curve.after is not None for curve in curves_of(entry))
     before = "dashed" if joined else "orange"
     model = (
         f"{before} is the model before, blue the model after" if after else f"{before} the model"
@@ -126,5 +125,5 @@ def _lines(entry: Mapping[str, Any]) -> str:
     return f"grey is what was measured, {model}; the points are too few to be joined."
 
 
-def _recording(entry: Mapping[str, Any]) -> str:
-    return reading.text(entry, "recording") or "a held-out recording"
+def _recording(entry: HeldOutRun) -> str:
+    return entry.recording or "a held-out recording"

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tp_jax._files import replaced
 from tp_jax._version import __version__
-from tp_jax.report import pictures, reading, run_tables, tables, verdict, words
+from tp_jax.report import pictures, run_tables, tables, verdict, words
 from tp_jax.report.figure_files import FOLDER, write_figures
 from tp_jax.report.figures.curves import drawable
+from tp_jax.results.diagnosis import DiagnosisRecord, Found
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -33,7 +34,7 @@ class Part(NamedTuple):
 
 
 def write_report(
-    diagnosis: Mapping[str, Any], path: str | os.PathLike[str], *, figures: bool = False,
+    found: Found, path: str | os.PathLike[str], *, figures: bool = False,
     day: date | None = None,
 ) -> None:  # fmt: skip
     """Writes the report of a diagnosis as one HTML file, which holds its figures.
@@ -41,7 +42,7 @@ def write_report(
     A file that is there is replaced at once and whole.
 
     Args:
-        diagnosis: as in diagnosis.json; whatever is missing is left out.
+        found: a diagnosis, or the dictionary of it; whatever is missing is left out.
         path: the file; its folder must exist.
         figures: whether to write them to `figures/` in the same folder too, as PNG and SVG. What
             lies there stays otherwise.
@@ -51,6 +52,7 @@ def write_report(
     Raises:
         OSError: a file cannot be written.
     """
+    diagnosis = DiagnosisRecord.read(found)
     drawn = pictures.pictures(diagnosis)
     text = _page(diagnosis, drawn, day)
     target = Path(os.path.realpath(path))
@@ -60,8 +62,9 @@ def write_report(
         write_figures(drawn.every(), target.parent / FOLDER)
 
 
-def render(diagnosis: Mapping[str, Any], *, day: date | None = None) -> str:
+def render(found: Found, *, day: date | None = None) -> str:
     """The report as text; `day`: see `write_report`."""
+    diagnosis = DiagnosisRecord.read(found)
     return _page(diagnosis, pictures.pictures(diagnosis), day)
 
 
@@ -83,26 +86,25 @@ def environment() -> "Environment":
     return made
 
 
-def _page(diagnosis: Mapping[str, Any], drawn: pictures.Pictures, day: date | None) -> str:
+def _page(diagnosis: DiagnosisRecord, drawn: pictures.Pictures, day: date | None) -> str:
     return environment().get_template(TEMPLATE).render(context(diagnosis, drawn, day))
 
 
 def context(
-    diagnosis: Mapping[str, Any], drawn: pictures.Pictures, day: date | None = None
+    diagnosis: DiagnosisRecord, drawn: pictures.Pictures, day: date | None = None
 ) -> dict[str, Any]:
     """What the template shows: sentences, tables of text, figures."""
-    provenance = reading.table(diagnosis, "provenance")
     shown = {
-        "campaign": reading.text(diagnosis, "campaign") or "unnamed campaign",
-        "model": reading.text(diagnosis, "model"),
-        "kind": reading.verdict(diagnosis),
+        "campaign": diagnosis.campaign or "unnamed campaign",
+        "model": diagnosis.model,
+        "kind": diagnosis.verdict or "unknown",
         "verdict": verdict.sentences(diagnosis),
-        "version": reading.text(provenance, "version") or __version__,
+        "version": diagnosis.provenance.version or __version__,
         "drawn_figures": drawn,
         "gap": tables.gap(diagnosis),
         "floor": tables.floor_line(diagnosis),
         "by_run": run_tables.runs(diagnosis),
-        "shrink": tables.shrink_line(diagnosis) if reading.causes(diagnosis) else "",
+        "shrink": tables.shrink_line(diagnosis) if diagnosis.accepted else "",
         "not_drawn": _not_drawn(diagnosis),
         "too_sparse": _too_sparse(diagnosis, drawn),
         "places": tables.places(diagnosis),
@@ -114,12 +116,12 @@ def context(
         "day": "" if day is None else day.isoformat(),
         "scale": tables.scale_line(diagnosis),
         "groups": _groups(diagnosis),
-        "groups_known": isinstance(diagnosis.get("confused_with"), list | tuple),
+        "groups_known": diagnosis.confused_with is not None,
         "detectable": tables.detectable(diagnosis),
         "parameters": tables.parameters(diagnosis),
-        "moved": bool(reading.table(diagnosis, "absorbed")),
+        "moved": bool(diagnosis.absorbed),
         "next": verdict.next_experiment(diagnosis),
-        "notes": reading.texts(diagnosis, "notes"),
+        "notes": diagnosis.notes,
         "data": run_tables.data(diagnosis),
         "provenance": tables.provenance(diagnosis),
     }
@@ -145,29 +147,29 @@ def _contents(shown: Mapping[str, Any]) -> list[Part]:
     return [Part(id, title) for id, title, there in parts if there]
 
 
-def _dates(diagnosis: Mapping[str, Any], day: date | None) -> list[str]:
+def _dates(diagnosis: DiagnosisRecord, day: date | None) -> list[str]:
     """When the recordings were made, and the report of them."""
-    days = reading.recorded(diagnosis)
+    days = diagnosis.recorded
     recorded = f"recorded {' to '.join(days)}" if days else ""
     written = "" if day is None else f"report of {day.isoformat()}"
     return [said for said in (recorded, written) if said]
 
 
-def _too_sparse(diagnosis: Mapping[str, Any], drawn: pictures.Pictures) -> bool:
+def _too_sparse(diagnosis: DiagnosisRecord, drawn: pictures.Pictures) -> bool:
     """Whether there are residuals but no map of them over the motion."""
-    return bool(drawn.windows) and drawn.state_map is None and bool(drawable(diagnosis, "curves"))
+    return bool(drawn.windows) and drawn.state_map is None and bool(drawable(diagnosis.curves))
 
 
-def _not_drawn(diagnosis: Mapping[str, Any]) -> str:
-    held_out = [reading.text(entry, "recording") for entry in reading.rows(diagnosis, "curves")]
-    more = [name for name in held_out[pictures.MOST_RECORDINGS :] if name]
+def _not_drawn(diagnosis: DiagnosisRecord) -> str:
+    left_out = diagnosis.curves[pictures.MOST_RECORDINGS :]
+    more = [run.recording for run in left_out if run.recording]
     return f"Held out as well, but not drawn: {words.listed(more)}." if more else ""
 
 
-def _groups(diagnosis: Mapping[str, Any]) -> list[list[tables.Named]]:
+def _groups(diagnosis: DiagnosisRecord) -> list[list[tables.Named]]:
     return [
         [tables.Named(words.clause(name) or name, name) for name in group]
-        for group in reading.groups(diagnosis)
+        for group in diagnosis.groups
     ]
 
 

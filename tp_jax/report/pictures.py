@@ -1,11 +1,12 @@
 """The figures of the page: which there are, in two widths, with their captions."""
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
 
-from tp_jax.report import captions, reading, style
+from tp_jax.report import captions, style
 from tp_jax.report.figures import candidates, free_run, gap, law, moved, residuals, state_map, where
 from tp_jax.report.figures.curves import drawable
+from tp_jax.results.diagnosis import DiagnosisRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,7 +45,7 @@ class Pictures(NamedTuple):
         return [one for one in found if one is not None]
 
 
-def pictures(diagnosis: Mapping[str, Any]) -> Pictures:
+def pictures(diagnosis: DiagnosisRecord) -> Pictures:
     """Draws everything."""
     return Pictures(
         first(diagnosis),
@@ -83,10 +84,10 @@ def picture(
     )
 
 
-def first(diagnosis: Mapping[str, Any]) -> Picture | None:
+def first(diagnosis: DiagnosisRecord) -> Picture | None:
     """The picture beside the verdict."""
     order = [_close_up, _gap, _where]
-    if reading.verdict(diagnosis) == "unknown":
+    if diagnosis.verdict in ("unknown", None):
         order = [_where, _close_up, _gap]
     for draw in order:
         found = draw(diagnosis, style.BESIDE, "first")
@@ -95,9 +96,9 @@ def first(diagnosis: Mapping[str, Any]) -> Picture | None:
     return None
 
 
-def runs(diagnosis: Mapping[str, Any]) -> list[Picture]:
+def runs(diagnosis: DiagnosisRecord) -> list[Picture]:
     """Free runs over held-out recordings; the bare errors where there are no curves."""
-    many = len(drawable(diagnosis, "curves")[:MOST_RECORDINGS])
+    many = len(drawable(diagnosis.curves)[:MOST_RECORDINGS])
     found = _several(diagnosis, free_run.draw, "run", captions.run, many)
     if not many:
         gap_alone = _gap(diagnosis, style.WIDE, "gap")
@@ -105,47 +106,47 @@ def runs(diagnosis: Mapping[str, Any]) -> list[Picture]:
     return found
 
 
-def windows(diagnosis: Mapping[str, Any]) -> list[Picture]:
+def windows(diagnosis: DiagnosisRecord) -> list[Picture]:
     """Windowed residuals over time."""
-    many = len(drawable(diagnosis, "residuals")[:MOST_RECORDINGS])
+    many = len(drawable(diagnosis.residuals)[:MOST_RECORDINGS])
     return _several(diagnosis, residuals.draw, "residuals", captions.windows, many)
 
 
-def over_states(diagnosis: Mapping[str, Any]) -> Picture | None:
+def over_states(diagnosis: DiagnosisRecord) -> Picture | None:
     """Windowed residuals over angle and velocity."""
     caption = captions.over_states(diagnosis)
     return picture(lambda width: state_map.draw(diagnosis, width), "state-map", caption)
 
 
-def places(diagnosis: Mapping[str, Any]) -> Picture | None:
+def places(diagnosis: DiagnosisRecord) -> Picture | None:
     """Where the gap lies, unless it stands beside the verdict or would be a single bar."""
-    if reading.verdict(diagnosis) == "unknown" or len(where.shown(diagnosis)) < 2:
+    if diagnosis.verdict in ("unknown", None) or len(where.shown(diagnosis)) < 2:
         return None
     return _where(diagnosis, style.WIDE, "where")
 
 
-def learned(diagnosis: Mapping[str, Any]) -> list[Picture]:
+def learned(diagnosis: DiagnosisRecord) -> list[Picture]:
     """Curves of causes that nobody wrote down."""
     return _several(diagnosis, law.draw, "law", captions.law, len(law.shown(diagnosis)))
 
 
-def bars(diagnosis: Mapping[str, Any]) -> Picture | None:
+def bars(diagnosis: DiagnosisRecord) -> Picture | None:
     """The candidates."""
     caption = captions.candidates(diagnosis)
     return picture(lambda width: candidates.draw(diagnosis, width), "candidates", caption)
 
 
-def shifts(diagnosis: Mapping[str, Any]) -> Picture | None:
+def shifts(diagnosis: DiagnosisRecord) -> Picture | None:
     """What moved when the causes were added."""
     caption = captions.moved(diagnosis)
     return picture(lambda width: moved.draw(diagnosis, width), "moved", caption)
 
 
 def _several(
-    diagnosis: Mapping[str, Any],
+    diagnosis: DiagnosisRecord,
     draw: Callable[..., "Figure | None"],
     name: str,
-    caption: Callable[[Mapping[str, Any], int], str],
+    caption: Callable[[DiagnosisRecord, int], str],
     many: int,
 ) -> list[Picture]:
     """The first figures of a kind, numbered from one; those that have something to show."""
@@ -157,14 +158,14 @@ def _several(
     return [drawn for drawn in found if drawn is not None]
 
 
-def _close_up(diagnosis: Mapping[str, Any], width: float, name: str) -> Picture | None:
+def _close_up(diagnosis: DiagnosisRecord, width: float, name: str) -> Picture | None:
     caption = captions.close_up(diagnosis)
     return picture(lambda w: free_run.close_up(diagnosis, w), name, caption, width)
 
 
-def _where(diagnosis: Mapping[str, Any], width: float, name: str) -> Picture | None:
+def _where(diagnosis: DiagnosisRecord, width: float, name: str) -> Picture | None:
     return picture(lambda w: where.draw(diagnosis, w), name, captions.where(diagnosis), width)
 
 
-def _gap(diagnosis: Mapping[str, Any], width: float, name: str) -> Picture | None:
+def _gap(diagnosis: DiagnosisRecord, width: float, name: str) -> Picture | None:
     return picture(lambda w: gap.draw(diagnosis, w), name, captions.GAP, width)

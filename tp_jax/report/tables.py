@@ -1,9 +1,8 @@
 """The tables of the page, every cell as text."""
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from tp_jax.report import reading, verdict, words
+from tp_jax.report import verdict, words
 from tp_jax.report.formatting import (
     MISSING,
     angles,
@@ -16,6 +15,7 @@ from tp_jax.report.formatting import (
     unit,
     with_unit,
 )
+from tp_jax.results.diagnosis import CHANNELS, DiagnosisRecord, Shift, Size
 
 
 class Table(NamedTuple):
@@ -33,60 +33,60 @@ class Named(NamedTuple):
     id: str
 
 
-def gap(diagnosis: Mapping[str, Any]) -> Table | None:
+def gap(diagnosis: DiagnosisRecord) -> Table | None:
     """The error on held-out data before and after."""
-    found = reading.table(diagnosis, "gap")
-    horizon, floor = reading.value(found, "horizon_s"), reading.floor(diagnosis)
-    states = reading.states(diagnosis)
+    horizon, states = diagnosis.gap.horizon_s, diagnosis.states
+    found = [getattr(diagnosis.gap, state) for state in states]
     kinds = {
-        "windowed": "in windows" + ("" if horizon is None else f" of {number(horizon, 2)} s"),
-        "free_run": "free run",
+        "in windows" + ("" if horizon is None else f" of {number(horizon, 2)} s"): "windowed",
+        "free run": "free_run",
     }
     rows = []
-    for key, name in kinds.items():
-        sizes = [reading.value(found, state, key) for state in states]
+    for name, kind in kinds.items():
+        sizes = [getattr(errors, kind) for errors in found]
         if any(size is not None for size in sizes):
-            rows.append((name, *angles([*sizes, floor])))
+            rows.append((name, *angles([*sizes, diagnosis.floor])))
     names = states if len(states) > 1 else ("error",)
     return made(("Error (rms) on held-out data", *names, "noise"), rows, 1, 2, 3)
 
 
-def causes(diagnosis: Mapping[str, Any]) -> Table | None:
+def causes(diagnosis: DiagnosisRecord) -> Table | None:
     """Accepted causes with their sizes."""
     rows = [
         (
-            _effect(cause),
-            probability(cause.get("probability")),
-            percent(cause.get("shrink")),
+            _named(cause.effect),
+            probability(cause.probability),
+            percent(cause.shrink),
             "; ".join(verdict.sizes(cause)) or MISSING,
         )
-        for cause in reading.causes(diagnosis)
+        for cause in diagnosis.accepted
     ]
     return made(("Accepted cause", "probability", "shrink", "size"), rows, 1, 2)
 
 
-def candidates(diagnosis: Mapping[str, Any]) -> Table | None:
+def candidates(diagnosis: DiagnosisRecord) -> Table | None:
     """All candidates that apply and of which something is known."""
-    found = [row for row in reading.candidates(diagnosis) if reading.judged(row)]
+    found = [row for row in diagnosis.applicable if row.judged]
     columns = {
-        "Effect": [_effect(row) for row in found],
-        "place": [reading.text(row, "location") or MISSING for row in found],
-        "predicted shrink": [percent(row.get("predicted_shrink")) for row in found],
-        "realised shrink": [percent(row.get("realised_shrink")) for row in found],
-        "probability": [probability(row.get("probability")) for row in found],
-        "z": [number(row.get("z"), 2) for row in found],
-        "note": [reading.text(row, "note") or MISSING for row in found],
+        "Effect": [_named(row.effect) for row in found],
+        "place": [row.location or MISSING for row in found],
+        "predicted shrink": [percent(row.predicted_shrink) for row in found],
+        "realised shrink": [percent(row.realised_shrink) for row in found],
+        "probability": [probability(row.probability) for row in found],
+        "z": [number(row.z, 2) for row in found],
+        "note": [row.note or MISSING for row in found],
     }
     said = {name: cells for name, cells in columns.items() if any(c != MISSING for c in cells)}
     right = [i for i, name in enumerate(said) if name not in ("Effect", "place", "note")]
     return made(tuple(said), list(zip(*said.values(), strict=True)), *right)
 
 
-def inapplicable(diagnosis: Mapping[str, Any]) -> Table | None:
+def inapplicable(diagnosis: DiagnosisRecord) -> Table | None:
     """Candidates that do not apply to this campaign, and why."""
     rows = [
-        (_effect(row), reading.text(row, "note").removeprefix("Does not apply: ") or MISSING)
-        for row in reading.inapplicable(diagnosis)
+        (_named(row.effect), (row.note or "").removeprefix("Does not apply: ") or MISSING)
+        for row in diagnosis.candidates
+        if row.applicable is False
     ]
     return made(("Effect", "why it does not apply"), rows)
 
@@ -101,72 +101,71 @@ def first_rows(of: Table | None, most: int) -> tuple[Table | None, Table | None]
     return of._replace(rows=of.rows[:most]), of._replace(rows=of.rows[most:])
 
 
-def places(diagnosis: Mapping[str, Any]) -> Table | None:
+def places(diagnosis: DiagnosisRecord) -> Table | None:
     """Where the gap lies, and when."""
     rows = [
         (
-            words.capital(words.location(reading.text(place, "location"))),
-            reading.text(place, "channel") or MISSING,
-            percent(place.get("share")),
-            verdict.when(reading.text(place, "when")) or MISSING,
+            words.capital(words.location(place.location)),
+            place.channel or MISSING,
+            percent(place.share),
+            verdict.when(place.when or "") or MISSING,
         )
-        for place in reading.rows(diagnosis, "where")
-        if reading.text(place, "location")
+        for place in diagnosis.where
     ]
     return made(("Place", "channel", "share", "when"), rows, 2)
 
 
-def detectable(diagnosis: Mapping[str, Any]) -> Table | None:
+def detectable(diagnosis: DiagnosisRecord) -> Table | None:
     """The smallest size of each effect that this data would have shown."""
-    rows = []
-    for name, given in reading.table(diagnosis, "minimum_detectable").items():
-        entry = reading.table(given)
-        size = reading.value(entry, "value")
-        text = "beyond its range" if size is None else with_unit(size, entry.get("unit"))
-        rows.append((_named(name), text))
+    rows = [
+        (
+            _named(name),
+            "beyond its range" if size.value is None else with_unit(size.value, size.unit),
+        )
+        for name, size in diagnosis.minimum_detectable.items()
+    ]
     return made(("Effect", "minimum detectable size"), rows, 1)
 
 
-def parameters(diagnosis: Mapping[str, Any]) -> Table | None:
+def parameters(diagnosis: DiagnosisRecord) -> Table | None:
     """The fitted model's parameters, and how far each moved when the causes were added."""
-    absorbed = reading.table(diagnosis, "absorbed")
-    fitted = reading.table(diagnosis, "parameters")
     rows = []
-    for name in dict.fromkeys([*fitted, *absorbed]):
-        entry = reading.table(fitted, name)
-        value, interval = estimate(entry.get("value"), entry.get("ci95"))
-        if entry.get("identifiable") is False:
+    for name in dict.fromkeys([*diagnosis.parameters, *diagnosis.absorbed]):
+        size = diagnosis.parameters.get(name, Size())
+        shift = diagnosis.absorbed.get(name, Shift())
+        value, interval = estimate(size.value, size.ci95)
+        if size.identifiable is False:
             interval = "not determined by this data"
-        cells = [_named(name, words.parameter(name)), value, interval or MISSING]
-        rows.append((*cells, unit(entry.get("unit")), *_moved(reading.table(absorbed, name))))
+        cells = [_named(name, words.parameter(name)), value, interval or MISSING, unit(size.unit)]
+        rows.append((*cells, number(shift.shift), number(shift.in_standard_errors, 2)))
     head = ["Parameter", "value", "95 % interval", "unit", "moved by", "in standard errors"]
     if not any(cell not in ("", MISSING) for row in rows for cell in row[4:]):
         return made(tuple(head[:4]), [row[:4] for row in rows], 1)
     return made(tuple(head), rows, 1, 4, 5)
 
 
-def provenance(diagnosis: Mapping[str, Any]) -> Table | None:
+def provenance(diagnosis: DiagnosisRecord) -> Table | None:
     """Where the numbers come from."""
-    found = reading.table(diagnosis, "provenance")
-    names = {"version": "tp-jax version", "seed": "seed", "wall_s": "computing time"}
-    rows = []
-    for key, name in (("campaign", "campaign"), ("model", "model"), ("schema", "schema")):
-        rows.append((name, reading.text(diagnosis, key)))
-    rows.append(("recorded", " to ".join(reading.recorded(diagnosis))))
-    held_out = reading.texts(reading.table(diagnosis, "gap"), "held_out")
-    rows.append(("held out, never fitted", ", ".join(held_out)))
-    for key, entry in found.items():
-        if isinstance(entry, str | int | float):
-            text = duration(entry) if key == "wall_s" else str(entry)
-            rows.append((names.get(key, key.replace("_", " ")), text))
-    for file, digest in reading.table(found, "data_sha256").items():
-        rows.append((f"SHA-256 of {file}", str(digest)))
+    found = diagnosis.provenance
+    rows = [
+        ("campaign", diagnosis.campaign),
+        ("model", diagnosis.model),
+        ("schema", diagnosis.schema),
+        ("recorded", " to ".join(diagnosis.recorded)),
+        ("held out, never fitted", ", ".join(diagnosis.gap.held_out)),
+        ("tp-jax version", found.version),
+        ("seed", "" if found.seed is None else str(found.seed)),
+        ("computing time", "" if found.wall_s is None else duration(found.wall_s)),
+        *((f"SHA-256 of {file}", digest) for file, digest in found.data_sha256.items()),
+    ]
     return made(("What", "is"), [row for row in rows if row[1]])
 
 
-def scale_line(diagnosis: Mapping[str, Any]) -> str:
+def scale_line(diagnosis: DiagnosisRecord) -> str:
     """Which inertia of the column fixes the scale, as a sentence; empty where it is not known."""
-    B1 = reading.value(diagnosis, "fits", "before", "parameters", "B1")
+    if diagnosis.fits is None:
+        return ""
+    B1 = diagnosis.fits.before.parameters.get("B1")
     if B1 is None:
         return ""
     if B1 == 1.0:
@@ -175,10 +174,9 @@ def scale_line(diagnosis: Mapping[str, Any]) -> str:
     return f"The scale is fixed by the column's inertia as it was given: B1 = {size}."
 
 
-def shrink_line(diagnosis: Mapping[str, Any]) -> str:
+def shrink_line(diagnosis: DiagnosisRecord) -> str:
     """The shrink with its interval, as a sentence; empty where it is not known."""
-    found = reading.table(diagnosis, "gap")
-    shrink, interval = reading.value(found, "shrink"), percents(found.get("shrink_ci95"))
+    shrink, interval = diagnosis.gap.shrink, percents(diagnosis.gap.shrink_ci95)
     if shrink is None:
         return ""
     interval = f" (95 % interval {interval})" if interval else ""
@@ -187,28 +185,17 @@ def shrink_line(diagnosis: Mapping[str, Any]) -> str:
     return f"{percent(shrink)} of the removable gap is gone{interval}."
 
 
-def floor_line(diagnosis: Mapping[str, Any]) -> str:
+def floor_line(diagnosis: DiagnosisRecord) -> str:
     """What the noise floor is made of, as a sentence; empty where it is noise alone."""
-    parts = reading.table(diagnosis, "noise_floor_parts")
+    parts = diagnosis.noise_floor_parts
     said = []
-    for channel, name in reading.CHANNELS.items():
-        noise = reading.value(parts, "noise", channel)
-        calibration = reading.value(parts, "calibration", channel)
+    for channel, name in CHANNELS.items():
+        noise, calibration = parts.noise.get(channel), parts.calibration.get(channel)
         if noise is None or not calibration:
             continue
         first, second = angles([noise, calibration])
         said.append(f"{name} {first} of noise and {second} that its calibration may be off")
     return f"The floor is made of two parts: {'; '.join(said)}." if said else ""
-
-
-def _moved(entry: Mapping[str, Any]) -> tuple[str, str]:
-    if not entry:
-        return MISSING, MISSING
-    return number(entry.get("shift")), number(entry.get("in_standard_errors"), 2)
-
-
-def _effect(row: Mapping[str, Any]) -> Any:
-    return _named(reading.text(row, "effect"))
 
 
 def _named(name: str, said: str | None = None) -> Any:

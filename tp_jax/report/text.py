@@ -1,11 +1,11 @@
 """The verdict as plain text for a terminal: at most 25 lines."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Sequence
 
-from tp_jax.report import reading, verdict
+from tp_jax.report import verdict
 from tp_jax.report.formatting import angles, percent, probability
+from tp_jax.results.diagnosis import DiagnosisRecord, Found
 
 WIDTH = 100
 MOST_LINES = 25
@@ -14,15 +14,16 @@ _MOST_CANDIDATES = 5
 _MOST_GROUPS = 2
 
 
-def summary(diagnosis: Mapping[str, Any]) -> str:
+def summary(found: Found) -> str:
     """The verdict, the numbers behind it and what to do next.
 
     Args:
-        diagnosis: as in diagnosis.json; whatever is missing is left out.
+        found: a diagnosis, or the dictionary of it; whatever is missing is left out.
 
     Returns:
         at most 25 lines without a line feed at the end, no colours.
     """
+    diagnosis = DiagnosisRecord.read(found)
     lines = [*_verdict(diagnosis), *_gap(diagnosis), *_causes(diagnosis)]
     rivals, last = _candidates(diagnosis), _last(diagnosis)
     # Long sentences may fill the space. Then an empty line gives way first, next the causes among
@@ -31,14 +32,14 @@ def summary(diagnosis: Mapping[str, Any]) -> str:
     if len(rivals) + len(last) > space:
         last = last[1:]
     if len(rivals) + len(last) > space:
-        rivals = _candidates(diagnosis, without=reading.causes(diagnosis))
+        rivals = _candidates(diagnosis, without=diagnosis.causes)
     return "\n".join([*[*lines, *rivals][: MOST_LINES - len(last)], *last])
 
 
-def _verdict(diagnosis: Mapping[str, Any]) -> list[str]:
+def _verdict(diagnosis: DiagnosisRecord) -> list[str]:
     said = verdict.sentences(diagnosis)
-    name = reading.text(diagnosis, "campaign")
-    lines = [f"{name}: {said.heading}" if name else said.heading]
+    name = f"{diagnosis.campaign}: " if diagnosis.campaign else ""
+    lines = [name + said.heading]
     what = f"{said.what} {said.tied}".strip()
     for sentence in (said.where, what, f"{said.how_far} {said.agreement}".strip()):
         lines += textwrap.wrap(sentence, WIDTH)
@@ -46,63 +47,50 @@ def _verdict(diagnosis: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _gap(diagnosis: Mapping[str, Any]) -> list[str]:
-    gap, floor = reading.table(diagnosis, "gap"), reading.floor(diagnosis)
-    states = reading.states(diagnosis)
+def _gap(diagnosis: DiagnosisRecord) -> list[str]:
     body = []
-    for key, name in (("windowed", "in windows"), ("free_run", "free run")):
-        sizes = [reading.value(gap, state, key) for state in states]
+    for kind, name in (("windowed", "in windows"), ("free_run", "free run")):
+        sizes = [getattr(getattr(diagnosis.gap, state), kind) for state in diagnosis.states]
         if any(size is not None for size in sizes):
-            body.append([name, *angles([*sizes, floor])])
-    return _table(["held-out error (rms)", *states, "noise floor"], body)
+            body.append([name, *angles([*sizes, diagnosis.floor])])
+    return _table(["held-out error (rms)", *diagnosis.states, "noise floor"], body)
 
 
-def _causes(diagnosis: Mapping[str, Any]) -> list[str]:
+def _causes(diagnosis: DiagnosisRecord) -> list[str]:
     body = []
-    causes = reading.causes(diagnosis)
-    for cause in causes[:_MOST_CAUSES]:
+    for cause in diagnosis.accepted[:_MOST_CAUSES]:
         sizes = [size.replace("95 % interval ", "95 %: ") for size in verdict.sizes(cause)]
         more = f", and {len(sizes) - 2} more" if len(sizes) > 2 else ""
-        body.append(
-            [
-                reading.text(cause, "effect"),
-                probability(cause.get("probability")),
-                percent(cause.get("shrink")),
-                ", ".join(sizes[:2]) + more,
-            ]
-        )
+        numbers = [probability(cause.probability), percent(cause.shrink)]
+        body.append([cause.effect, *numbers, ", ".join(sizes[:2]) + more])
     lines = _table(["cause", "probability", "shrink", "size"], body)
-    if len(causes) > _MOST_CAUSES:
-        lines.append(f"  and {len(causes) - _MOST_CAUSES} more")
+    if len(diagnosis.accepted) > _MOST_CAUSES:
+        lines.append(f"  and {len(diagnosis.accepted) - _MOST_CAUSES} more")
     return lines
 
 
-def _candidates(
-    diagnosis: Mapping[str, Any], without: Sequence[Mapping[str, Any]] = ()
-) -> list[str]:
-    found = [row for row in reading.candidates(diagnosis) if reading.judged(row)]
-    named = {reading.text(cause, "effect") for cause in without}
+def _candidates(diagnosis: DiagnosisRecord, without: Collection[str] = ()) -> list[str]:
+    found = [row for row in diagnosis.applicable if row.judged]
     body = [
         [
-            reading.text(row, "effect"),
-            percent(row.get("predicted_shrink")),
-            percent(row.get("realised_shrink")),
-            probability(row.get("probability")),
-            reading.text(row, "note"),
+            row.effect,
+            percent(row.predicted_shrink),
+            percent(row.realised_shrink),
+            probability(row.probability),
+            row.note or "",
         ]
         for row in found[:_MOST_CANDIDATES]
-        if reading.text(row, "effect") not in named
+        if row.effect not in without
     ]
     head = ["candidate", "predicted shrink", "realised shrink", "probability", "why it is no cause"]
     noted = any(row[-1] for row in body)
     return _table(head, body) if noted else _table(head[:-1], [row[:-1] for row in body])
 
 
-def _last(diagnosis: Mapping[str, Any]) -> list[str]:
+def _last(diagnosis: DiagnosisRecord) -> list[str]:
     lines = []
-    causes = {reading.text(cause, "effect") for cause in reading.causes(diagnosis)}
     # what a cause is not told from stands beside it
-    groups = [group for group in reading.groups(diagnosis) if not causes & set(group)]
+    groups = [group for group in diagnosis.groups if not {*diagnosis.causes} & {*group}]
     for group in groups[:_MOST_GROUPS]:
         lines.append(_line("Not told apart: " + ", ".join(group)))
     if len(groups) > _MOST_GROUPS:

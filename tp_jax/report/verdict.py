@@ -1,10 +1,10 @@
 """The verdict in three plain sentences: where the gap lies, what causes it, how far it shrinks."""
 
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
-from tp_jax.report import reading, words
+from tp_jax.report import words
 from tp_jax.report.formatting import (
     angle,
     angles,
@@ -16,6 +16,7 @@ from tp_jax.report.formatting import (
     probability,
     unit,
 )
+from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Found
 
 _HEADINGS = {
     "explained": "The gap is explained",
@@ -57,24 +58,25 @@ class Verdict(NamedTuple):
     remedy: str = ""
 
 
-def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
+def sentences(found: Found) -> Verdict:
     """The verdict of a diagnosis in words."""
-    kind = reading.verdict(diagnosis)
-    if not reading.text(diagnosis, "verdict"):
+    diagnosis = DiagnosisRecord.read(found)
+    kind, causes = diagnosis.verdict, diagnosis.accepted
+    if kind is None:
         return Verdict(
             "There is no verdict",
             "The diagnosis does not say whether there is a gap.",
-            _what(diagnosis) if reading.causes(diagnosis) else "No cause is given.",
+            _what(diagnosis) if causes else "No cause is given.",
             _how_far(diagnosis),
             error=_error(diagnosis),
         )
     if kind == "no_gap":
         heading = _HEADINGS[kind]
-        if not _beyond_level(diagnosis, "structure_p"):
+        if _has_structure(diagnosis.gap.structure_p):
             heading = "The gap is below the tolerance"
         said = heading, _no_gap(diagnosis), "No effect needs to be added to the model."
         return Verdict(*said, _unseen(diagnosis), error=_error(diagnosis))
-    heading, causes = _HEADINGS[kind], reading.causes(diagnosis)
+    heading = _HEADINGS[kind]
     if kind == "unknown" and causes:
         heading = "The gap is explained only in part"
         if _nothing_left(diagnosis):
@@ -92,18 +94,15 @@ def sentences(diagnosis: Mapping[str, Any]) -> Verdict:
     )
 
 
-def _where(diagnosis: Mapping[str, Any]) -> str:
-    places = reading.rows(diagnosis, "where")
-    places = [place for place in places if reading.text(place, "location")]
-    if not places:
+def _where(diagnosis: DiagnosisRecord) -> str:
+    if not diagnosis.where:
         return "The diagnosis could not say where the gap lies."
-    first = places[0]
-    share = reading.value(first, "share")
-    mainly = "" if share is not None and share > 0.95 else "mainly "
-    said = f"The gap lies {mainly}in {words.location(reading.text(first, 'location'))}"
-    if share is not None:
-        said += f": {percent(share)} of it shows there"
-    part = when(reading.text(first, "when"))
+    first = diagnosis.where[0]
+    mainly = "" if first.share is not None and first.share > 0.95 else "mainly "
+    said = f"The gap lies {mainly}in {words.location(first.location)}"
+    if first.share is not None:
+        said += f": {percent(first.share)} of it shows there"
+    part = when(first.when or "")
     return f"{said}, {part}." if part else f"{said}."
 
 
@@ -115,9 +114,9 @@ def when(text: str) -> str:
     return said if not said or said.startswith(_STARTS) else f"when {said}"
 
 
-def _what(diagnosis: Mapping[str, Any]) -> str:
-    causes = reading.causes(diagnosis)
-    if not causes and reading.verdict(diagnosis) == "explained":
+def _what(diagnosis: DiagnosisRecord) -> str:
+    causes, explained = diagnosis.accepted, diagnosis.verdict == "explained"
+    if not causes and explained:
         return "The diagnosis does not name the cause."
     if not causes:
         return (
@@ -125,82 +124,77 @@ def _what(diagnosis: Mapping[str, Any]) -> str:
             "outside the catalogue."
         )
     parts = [_cause(cause) for cause in causes]
-    if reading.verdict(diagnosis) != "explained" and _nothing_left(diagnosis):
+    if not explained and _nothing_left(diagnosis):
         return (
             f"The likeliest {'cause' if len(parts) == 1 else 'causes'}: {'; '.join(parts)}; "
             "the fitted recordings show no structure beside."
         )
-    if reading.verdict(diagnosis) != "explained":
+    if not explained:
         return f"Part of it comes from this: {'; '.join(parts)}."
     return f"The {'cause' if len(parts) == 1 else 'causes'}: {'; '.join(parts)}."
 
 
-def _cause(cause: Mapping[str, Any]) -> str:
+def _cause(cause: Cause) -> str:
     """What happens, with its id (unless that is all that is known of it) and probability."""
-    name = reading.text(cause, "effect")
-    more = [name] if words.clause(name) else []
-    if reading.value(cause, "probability") is not None:
-        more.append(f"probability {probability(cause['probability'])}")
-    return f"{words.effect(name)} ({', '.join(more)})" if more else words.effect(name)
+    more = [cause.effect] if words.clause(cause.effect) else []
+    if cause.probability is not None:
+        more.append(f"probability {probability(cause.probability)}")
+    said = words.effect(cause.effect)
+    return f"{said} ({', '.join(more)})" if more else said
 
 
-def _tied(diagnosis: Mapping[str, Any], cause: Mapping[str, Any]) -> str:
-    effect = reading.text(cause, "effect")
-    others = reading.tied_with(diagnosis, effect)
+def _tied(diagnosis: DiagnosisRecord, cause: Cause) -> str:
+    others = diagnosis.tied_with(cause.effect)
     if not others:
         return ""
-    return f"This data cannot tell {effect} from {words.listed(others, 'or')}."
+    return f"This data cannot tell {cause.effect} from {words.listed(others, 'or')}."
 
 
-def _agreement(causes: Sequence[Mapping[str, Any]]) -> str:
+def _agreement(causes: Sequence[Cause]) -> str:
     """In how many recordings the first cause improves the fit, and where it makes it worse."""
-    found = reading.table(causes[0], "agreement") if causes else {}
-    improved, of = reading.value(found, "improved"), reading.value(found, "of")
-    if improved is None or of is None or of < 2.0:
+    found = causes[0].agreement if causes else None
+    if found is None or found.improved is None or found.of is None or found.of < 2:
         return ""
-    name = reading.text(causes[0], "effect") if len(causes) > 1 else "It"
-    worse = reading.texts(found, "worse")
-    rest = f", and makes it worse in {words.listed(worse)}" if worse else ""
-    return f"{name} improves the fit in {improved:.0f} of {of:.0f} recordings{rest}."
+    name = causes[0].effect if len(causes) > 1 else "It"
+    rest = f", and makes it worse in {words.listed([*found.worse])}" if found.worse else ""
+    return f"{name} improves the fit in {found.improved:.0f} of {found.of:.0f} recordings{rest}."
 
 
-def _remedy(causes: Sequence[Mapping[str, Any]]) -> str:
+def _remedy(causes: Sequence[Cause]) -> str:
     """What to do at the rig, and how to check by hand, a sentence each for every cause."""
     said = []
     for cause in causes:
-        remedy, by_hand = reading.text(cause, "remedy"), reading.text(cause, "by_hand")
-        name = f"For {reading.text(cause, 'effect')}: " if len(causes) > 1 else ""
-        if remedy:
-            said.append(f"{name}{remedy if name else words.capital(remedy)}.")
-        if by_hand:
-            said.append(f"To check it by hand: {by_hand}.")
+        name = f"For {cause.effect}: " if len(causes) > 1 else ""
+        if cause.remedy:
+            said.append(f"{name}{cause.remedy if name else words.capital(cause.remedy)}.")
+        if cause.by_hand:
+            said.append(f"To check it by hand: {cause.by_hand}.")
     return " ".join(said)
 
 
-def _how_far(diagnosis: Mapping[str, Any]) -> str:
-    gap, causes = reading.table(diagnosis, "gap"), reading.causes(diagnosis)
-    shrink, interval = reading.value(gap, "shrink"), percents(gap.get("shrink_ci95"))
-    if not causes and reading.text(diagnosis, "verdict") == "unknown":
+def _how_far(diagnosis: DiagnosisRecord) -> str:
+    gap, causes = diagnosis.gap, diagnosis.accepted
+    if not causes and diagnosis.verdict == "unknown":
         return "Nothing was added to the model, so the gap stays as it is."
-    if shrink is None and gap.get("removable_significant") is False:
+    if gap.shrink is None and gap.removable_significant is False:
         return "The gap on held-out data is too close to the noise to say how far it shrinks."
-    if shrink is None:
+    if gap.shrink is None:
         return "How far the gap shrinks is not known."
     added = f"With {'them' if len(causes) > 1 else 'it'} in the model, " if causes else ""
+    interval = percents(gap.shrink_ci95)
     interval = f" (95 % interval {interval})" if interval else ""
-    if shrink < 0.0:
+    if gap.shrink < 0.0:
         return words.capital(
-            f"{added}the gap on held-out data grew by {percent(-shrink)} of what could be "
+            f"{added}the gap on held-out data grew by {percent(-gap.shrink)} of what could be "
             f"removed{interval}."
         )
-    return f"{added}{percent(shrink)} of the removable gap is gone{interval}."
+    return f"{added}{percent(gap.shrink)} of the removable gap is gone{interval}."
 
 
-def _no_gap(diagnosis: Mapping[str, Any]) -> str:
-    p = reading.value(diagnosis, "gap", "structure_p")
+def _no_gap(diagnosis: DiagnosisRecord) -> str:
+    p, limit = diagnosis.gap.structure_p, diagnosis.gap.tolerance
     test = f" (test of structure: {p_value(p)})" if p is not None else ""
-    if p is not None and p < _LEVEL:  # the verdict is by the tolerance then
-        limit = reading.value(diagnosis, "gap", "tolerance")
+    if _has_structure(p):  # the verdict is by the tolerance then
         size = f" of {angle(limit)}" if limit else ""
         return (
             f"What the fitted model leaves has structure{test}, but its error is below the "
@@ -209,83 +203,79 @@ def _no_gap(diagnosis: Mapping[str, Any]) -> str:
     return f"What the fitted model leaves of the recordings looks like noise{test}."
 
 
-def _unseen(diagnosis: Mapping[str, Any]) -> str:
-    sizes = reading.table(diagnosis, "minimum_detectable")
-    small = "smaller than the minimum detectable sizes" if sizes else "too small for this data"
+def _unseen(diagnosis: DiagnosisRecord) -> str:
+    known = diagnosis.minimum_detectable
+    small = "smaller than the minimum detectable sizes" if known else "too small for this data"
     return f"Effects {small} may be there all the same."
 
 
-def _error(diagnosis: Mapping[str, Any]) -> str:
+def _error(diagnosis: DiagnosisRecord) -> str:
     """The error on held-out data: of a free run, or in windows where that is not known."""
-    gap, floor = reading.table(diagnosis, "gap"), reading.floor(diagnosis)
-    for key, kind in (("free_run", "of a free run"), ("windowed", "in short windows")):
-        before, after = reading.value(gap, "before", key), reading.value(gap, "after", key)
-        if before is None:
+    before, after = diagnosis.gap.before, diagnosis.gap.after
+    for kind, first, last in (
+        ("of a free run", before.free_run, after.free_run),
+        ("in short windows", before.windowed, after.windowed),
+    ):
+        if first is None:
             continue
-        first, last, noise = angles([before, after, floor])
-        change = after is not None and bool(reading.causes(diagnosis))
-        size = f"goes from {first} to {last}" if change else f"is {first}"
-        end = "" if floor is None else f"; the noise is {noise}"
-        return f"The error {kind} over data never fitted {size}{end}."
+        begin, end, noise = angles([first, last, diagnosis.floor])
+        change = last is not None and diagnosis.accepted
+        size = f"goes from {begin} to {end}" if change else f"is {begin}"
+        rest = "" if diagnosis.floor is None else f"; the noise is {noise}"
+        return f"The error {kind} over data never fitted {size}{rest}."
     return ""
 
 
-def _beyond_level(diagnosis: Mapping[str, Any], key: str) -> bool:
-    """Whether a test of structure finds nothing; not known counts as nothing."""
-    p = reading.value(diagnosis, "gap", key)
-    return p is None or p >= _LEVEL
+def _has_structure(p: float | None) -> bool:
+    """Whether a test of structure finds something; not known counts as nothing."""
+    return p is not None and p < _LEVEL
 
 
-def _nothing_left(diagnosis: Mapping[str, Any]) -> bool:
+def _nothing_left(diagnosis: DiagnosisRecord) -> bool:
     """Whether the test of structure finds nothing beside the causes."""
-    known = reading.value(diagnosis, "gap", "structure_p_after") is not None
-    return known and _beyond_level(diagnosis, "structure_p_after")
+    p = diagnosis.gap.structure_p_after
+    return p is not None and p >= _LEVEL
 
 
-def _left(diagnosis: Mapping[str, Any]) -> str:
+def _left(diagnosis: DiagnosisRecord) -> str:
     """That the model with its causes is not complete, where the test of structure says so."""
-    p = reading.value(diagnosis, "gap", "structure_p_after")
-    if p is None or _nothing_left(diagnosis):
+    p = diagnosis.gap.structure_p_after
+    if not _has_structure(p):
         return ""
-    small = "small " if reading.verdict(diagnosis) == "explained" else ""
+    small = "small " if diagnosis.verdict == "explained" else ""
     return f"What is left still has structure ({p_value(p)}): something {small}is missing yet."
 
 
-def sizes(cause: Mapping[str, Any]) -> list[str]:
+def sizes(cause: Cause) -> list[str]:
     """The parameters of a cause, as `strength 0.580 (95 % interval 0.550 to 0.610)`.
 
     Of a learned law its curve: twelve coefficients tell nobody anything.
     """
-    curve = reading.table(cause, "curve")
-    if isinstance(curve.get("y"), list) and curve["y"]:
-        low, high = min(curve["y"]), max(curve["y"])
-        of = unit(reading.text(curve, "y_unit"))
-        formula = reading.text(cause, "formula")
-        said = [f"a curve from {number(low)} to {number(high)} {of}".rstrip()]
-        return [*said, f"as {formula}"] if formula else said
+    if cause.curve is not None and cause.curve.y:
+        low, high = min(cause.curve.y), max(cause.curve.y)
+        said = [f"a curve from {number(low)} to {number(high)} {unit(cause.curve.y_unit)}".rstrip()]
+        return [*said, f"as {cause.formula}"] if cause.formula else said
     said = []
-    for name, entry in reading.table(cause, "parameters").items():
-        entry = reading.table(entry)
-        size, interval = estimate(entry.get("value"), entry.get("ci95"))
-        of = f" {unit(reading.text(entry, 'unit'))}".rstrip()
+    for name, given in cause.parameters.items():
+        size, interval = estimate(given.value, given.ci95)
         interval = f" (95 % interval {interval})" if interval else ""
-        said.append(f"{name} {size}{of}{interval}")
+        said.append(f"{name} {size} {unit(given.unit)}".rstrip() + interval)
     return said
 
 
-def next_experiment(diagnosis: Mapping[str, Any]) -> str:
+def next_experiment(diagnosis: DiagnosisRecord) -> str:
     """What to record next and why, in one or two sentences; empty where nothing is proposed."""
-    plan = reading.table(diagnosis, "next_experiment")
-    omega, sigma = reading.value(plan, "omega"), reading.value(plan, "expected_sigma")
-    separates = reading.texts(plan, "separates")
-    if plan.get("forced") is False:
-        release = reading.value(plan, "phi1")
+    plan = diagnosis.next_experiment
+    if plan is None:
+        return ""
+    if plan.forced is False:
         said = "Record a free decay with the motor at rest"
-        said += f", released at {angle(release)}," if release is not None else ","
-    elif omega is not None:
-        said = f"Drive the column at {omega:.3g} rad/s"
+        said += f", released at {angle(plan.phi1)}," if plan.phi1 is not None else ","
+    elif plan.omega is not None:
+        said = f"Drive the column at {plan.omega:.3g} rad/s"
     else:
         return ""
+    separates = [*plan.separates]
     if not separates:
         return f"{said.rstrip(',')}."
     if len(separates) == 1:
@@ -294,5 +284,6 @@ def next_experiment(diagnosis: Mapping[str, Any]) -> str:
         aim = f"tell {separates[0]} from {separates[1]}"
     else:
         aim = f"tell {words.listed(separates)} apart"
+    sigma = plan.expected_sigma
     by = "" if sigma is None else f" (expected: {sigma:.2g} standard errors)"
     return f"{said} to {aim}{by}."

@@ -2,7 +2,6 @@
 
 checking       JSON and TOML; a value against a schema -> one sentence that names the field
 parts          numbers, texts, tables and lists, of which schemas are made
-diagnosis      diagnosis.json
 starts         a search to go on from
 recording      FILE.csv.meta.json
 calibration    a calibration of the sensors, as TOML

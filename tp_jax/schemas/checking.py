@@ -46,9 +46,21 @@ def read_json(path: str | Path) -> Any:
         InputError: it cannot be read.
     """
     try:
-        return json.loads(_text(path), parse_constant=_refused)
-    except (ValueError, RecursionError) as fault:
+        return json_of(_text(path), str(path))
+    except UnicodeDecodeError as fault:
         raise InputError(f"{path} is not JSON: {fault}.") from fault
+
+
+def json_of(text: str, source: str) -> Any:
+    """What a JSON text holds; `source` is what a fault's sentence begins with.
+
+    Raises:
+        InputError: it is not JSON.
+    """
+    try:
+        return json.loads(text, parse_constant=_refused)
+    except (ValueError, RecursionError) as fault:
+        raise InputError(f"{source} is not JSON: {fault}.") from fault
 
 
 def _text(path: str | Path) -> str:

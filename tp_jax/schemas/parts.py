@@ -13,10 +13,6 @@ COUNT = {"type": "integer", "minimum": 0, "says": "a whole number, zero or more"
 DIGEST = {"type": "string", "pattern": "^[0-9a-f]{64}$", "says": "a SHA-256 in hexadecimal digits"}
 YES_OR_NO = {"type": "boolean", "says": "true or false"}
 FLAG = {"type": ["boolean", "null"], "says": "true, false or null"}
-INTERVAL = {
-    "type": ["array", "null"], "items": NUMBER_OR_NULL, "minItems": 2, "maxItems": 2,
-    "says": "two numbers or null",
-}  # fmt: skip
 
 
 def table(
@@ -40,12 +36,3 @@ def each(entry: dict[str, Any], says: str = "a table", **more: Any) -> dict[str,
 def entries(entry: dict[str, Any], says: str, **more: Any) -> dict[str, Any]:
     """A list that must be there, of entries that are alike."""
     return {"type": "array", "items": entry, "says": says, **more}
-
-
-def listed(entry: dict[str, Any], says: str = "a list") -> dict[str, Any]:
-    """A list of entries that are alike, or null."""
-    return {"type": ["array", "null"], "items": entry, "says": f"{says} or null"}
-
-
-#: Values with their errors by name; null where one is not known.
-SIZES = maybe(each(maybe(table({"value": NUMBER_OR_NULL, "unit": TEXT, "ci95": INTERVAL}))))

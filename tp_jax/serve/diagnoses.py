@@ -3,16 +3,14 @@
 import os
 import re
 import threading
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from tp_jax.errors import InputError
-from tp_jax.report import comparison, reading, verdict, words
+from tp_jax.report import comparison, verdict, words
 from tp_jax.report.formatting import MISSING, percent
-from tp_jax.schemas.diagnosis import read_diagnosis
+from tp_jax.results.diagnosis import DiagnosisRecord
 from tp_jax.serve.names import readable
 
 RESULT, REPORT = "diagnosis.json", "report.html"
@@ -78,7 +76,7 @@ class Diagnoses:
         files = [file for name in (a, b) if (file := self.file(name, RESULT)) is not None]
         if len(files) < 2:
             raise InputError("Choose two diagnoses of the list.")
-        return comparison.rows(*(read_diagnosis(file, fits=False) for file in files))
+        return comparison.rows(*(DiagnosisRecord.from_json(file, fits=False) for file in files))
 
     def _row(self, when: int, file: Path) -> Row:
         name = file.parent.name
@@ -88,7 +86,7 @@ class Diagnoses:
         made = datetime.fromtimestamp(when / 1e9).strftime("%Y-%m-%d %H:%M")
         report = readable(self.folder, file.parent / REPORT)
         try:
-            row = _summed(name, made, report, read_diagnosis(file, fits=False))
+            row = _summed(name, made, report, DiagnosisRecord.from_json(file, fits=False))
         except InputError as fault:
             fault_here = str(fault).replace(f"{self.folder}{os.sep}", "")
             row = Row(name, made, report=report, fault=fault_here)
@@ -97,14 +95,12 @@ class Diagnoses:
         return row
 
 
-def _summed(name: str, made: str, report: bool, diagnosis: Mapping[str, Any]) -> Row:
-    causes = reading.causes(diagnosis)
-    cause = reading.text(causes[0], "effect") if causes else ""
+def _summed(name: str, made: str, report: bool, diagnosis: DiagnosisRecord) -> Row:
     return Row(
         name,
         made,
         verdict.sentences(diagnosis).heading,
-        words.effect(cause) if cause else MISSING,
-        percent(reading.value(diagnosis, "gap", "shrink")),
+        words.effect(diagnosis.causes[0]) if diagnosis.causes else MISSING,
+        percent(diagnosis.gap.shrink),
         report,
     )

@@ -1,6 +1,6 @@
 """Figures of a diagnosis, one per file: `figures.gap.draw(diagnosis)` and its like.
 
-Each function takes the diagnosis as in diagnosis.json and returns a matplotlib `Figure` that
+Each function takes a diagnosis, or the dictionary of it, and returns a matplotlib `Figure` that
 belongs to no window and no pyplot state, or None where there is nothing to draw. Matplotlib is
 loaded when the first figure is drawn.
 """

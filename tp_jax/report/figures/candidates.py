@@ -1,40 +1,34 @@
 """The most probable candidates: how far each alone was predicted to shrink the gap, and did."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tp_jax.report import layout, reading, style
+from tp_jax.report import layout, style
 from tp_jax.report.figures import bars
 from tp_jax.report.formatting import percent
+from tp_jax.results.diagnosis import Candidate, DiagnosisRecord, Found
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 10
 _LEAST = -0.25  # longer bars to the left end here, their numbers stand beside them
-_KEYS = ("predicted_shrink", "realised_shrink")
 
 
-def shown(diagnosis: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def shown(diagnosis: DiagnosisRecord) -> list[Candidate]:
     """The candidates that the figure shows: the first ten that have a number."""
-    numbered = [
-        row
-        for row in reading.candidates(diagnosis)
-        if any(reading.value(row, key) is not None for key in _KEYS)
-    ]
-    return numbered[:MOST]
+    return [row for row in diagnosis.applicable if _numbers(row)][:MOST]
 
 
-def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     """Two bars for each candidate, accepted causes in bold.
 
     Returns:
         None if no candidate has a number.
     """
+    diagnosis = DiagnosisRecord.read(found)
     rows = shown(diagnosis)
     if not rows:
         return None
-    accepted = {reading.text(cause, "effect") for cause in reading.causes(diagnosis)}
     figure = style.new_figure(width, 1.0 + 0.42 * len(rows))
     axes = figure.subplots()
     style.dress(axes, grid="x")
@@ -43,8 +37,12 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
         ("predicted_shrink", "predicted", -0.19, style.BAND),
         ("realised_shrink", "realised after refitting", 0.19, style.AFTER),
     ):
-        found = [(y + offset * _both(row), reading.value(row, key)) for y, row in enumerate(rows)]
-        known = [(y, x) for y, x in found if x is not None]
+        # one bar alone stands in the middle
+        known = [
+            (y + offset * (len(_numbers(row)) > 1), size)
+            for y, row in enumerate(rows)
+            if (size := getattr(row, key)) is not None
+        ]
         if known:
             places, sizes = zip(*known, strict=True)
             drawn = [min(max(x, _LEAST), 1.0) for x in sizes]
@@ -52,10 +50,10 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
             ends = [max(end, 0.0) for end in drawn]
             texts = [percent(x) for x in sizes]
             right = max(right, bars.numbers(axes, places, ends, texts, style.SMALL))
-    names = [reading.text(row, "effect") for row in rows]
-    left = bars.names(axes, names, width, [name in accepted for name in names])
-    lowest = min(reading.value(row, key) or 0.0 for row in rows for key in _KEYS)
-    axes.set_xlim(max(min(lowest, 0.0), _LEAST), 1.0)
+    names = [row.effect for row in rows]
+    left = bars.names(axes, names, width, [name in diagnosis.causes for name in names])
+    lowest = min(0.0, *(x for row in rows for x in _numbers(row)))
+    axes.set_xlim(max(lowest, _LEAST), 1.0)
     axes.set_xticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
     if lowest < 0.0:
         axes.axvline(0.0, color=style.INK, lw=0.8)
@@ -64,6 +62,6 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     return figure
 
 
-def _both(row: Mapping[str, Any]) -> bool:
-    """Whether a candidate has two bars; one alone stands in the middle."""
-    return all(reading.value(row, key) is not None for key in _KEYS)
+def _numbers(row: Candidate) -> list[float]:
+    """What is known of its two bars."""
+    return [x for x in (row.predicted_shrink, row.realised_shrink) if x is not None]

@@ -1,12 +1,11 @@
 """Curves over time as arrays, and what is common to figures over time."""
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from tp_jax.report import reading
-from tp_jax.schemas.checking import LARGEST
+from tp_jax.results.diagnosis import CHANNELS, HeldOutRun, Numbers, Series
 
 MOST_POINTS = 600
 
@@ -32,25 +31,25 @@ class Curve(NamedTuple):
         )
 
 
-def curves_of(entry: Mapping[str, Any]) -> list[Curve]:
+def curves_of(run: HeldOutRun) -> list[Curve]:
     """The channels of an entry of `curves` or `residuals` that have something to draw."""
-    t = _array(entry.get("t"))
+    t = _array(run.t)
     if t is None:
         return []
     step = -(-len(t) // MOST_POINTS)
     found = []
-    for channel in reading.CHANNELS:
-        given = reading.table(entry, channel)
-        columns = [_array(given.get(key)) for key in ("measured", "before", "after")]
+    for channel in CHANNELS:
+        given = getattr(run, channel) or Series()
+        columns = [_array(y) for y in (given.measured, given.before, given.after)]
         columns = [y[::step] if y is not None and y.size == t.size else None for y in columns]
         if any(y is not None for y in columns):
             found.append(Curve(channel, t[::step], *columns))
     return found
 
 
-def drawable(diagnosis: Mapping[str, Any], key: str) -> list[Mapping[str, Any]]:
+def drawable(runs: Sequence[HeldOutRun]) -> list[HeldOutRun]:
     """Entries of `curves` or `residuals` that have something to draw."""
-    return [entry for entry in reading.rows(diagnosis, key) if curves_of(entry)]
+    return [run for run in runs if curves_of(run)]
 
 
 def rms(values: np.ndarray | None) -> float | None:
@@ -89,13 +88,7 @@ def dense(curve: Curve) -> bool:
     return bool(np.square(np.diff(y, 2)).mean() <= _DENSE * swing)
 
 
-def _array(given: Any) -> np.ndarray | None:
-    if not isinstance(given, list | tuple | np.ndarray) or len(given) < 2:
-        return None
-    try:
-        array = np.asarray(given, dtype=float)  # null becomes NaN: a break in the curve
-    except (TypeError, ValueError, OverflowError):
-        return None
-    # what is no angle or time of anything breaks the curve too: an axis cannot be so long
-    array = np.where(np.abs(array) <= LARGEST, array, np.nan)
-    return array if array.ndim == 1 and np.isfinite(array).any() else None
+def _array(given: Numbers | None) -> np.ndarray | None:
+    """None becomes NaN: a break in the curve."""
+    array = np.asarray(given or (), dtype=float)
+    return array if array.size > 1 and np.isfinite(array).any() else None

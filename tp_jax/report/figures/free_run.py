@@ -1,14 +1,14 @@
 """Free runs over held-out recordings: measured, and the model before and after."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tp_jax.report import reading, style
+from tp_jax.report import style
 from tp_jax.report.figures.curves import Curve, curves_of, dense, drawable, error, largest, rms
 from tp_jax.report.figures.rows import over_time
 from tp_jax.report.formatting import angle, angle_unit
+from tp_jax.results.diagnosis import CHANNELS, DiagnosisRecord, Found
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,9 +18,7 @@ _CLOSE_POINTS = 90
 _BAND = 1.96  # standard deviations that hold 95 % of normal noise
 
 
-def draw(
-    diagnosis: Mapping[str, Any], index: int = 0, width: float = style.WIDE
-) -> "Figure | None":
+def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | None":
     """For each channel the angle above and the error below.
 
     Args:
@@ -30,7 +28,8 @@ def draw(
     Returns:
         None if there is no such recording.
     """
-    entries = drawable(diagnosis, "curves")
+    diagnosis = DiagnosisRecord.read(found)
+    entries = drawable(diagnosis.curves)
     if index >= len(entries):
         return None
     channels = curves_of(entries[index])
@@ -41,33 +40,34 @@ def draw(
     )[:, 0]  # fmt: skip
     for curve, above, below in zip(channels, rows[::2], rows[1::2], strict=True):
         _angles(above, curve)
-        _errors(below, curve, reading.value(diagnosis, "noise_floor", curve.channel))
+        _errors(below, curve, diagnosis.noise_floor.get(curve.channel))
     labels = [label for curve in channels for label in _labels(curve)]
     over_time(figure, rows, labels, style.legend(figure, rows[0], rows[1]))
     return figure
 
 
-def close_up(diagnosis: Mapping[str, Any], width: float = style.BESIDE) -> "Figure | None":
+def close_up(found: Found, width: float = style.BESIDE) -> "Figure | None":
     """The stretch of a free run in which the model before misses most, in one channel."""
+    diagnosis = DiagnosisRecord.read(found)
     curve = worst(diagnosis)
     if curve is None:
         return None
     figure = style.new_figure(width, 3.5 if width >= style.BESIDE else 2.65)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, 1.25])
     _angles(above, curve)
-    _errors(below, curve, reading.value(diagnosis, "noise_floor", curve.channel))
+    _errors(below, curve, diagnosis.noise_floor.get(curve.channel))
     over_time(figure, [above, below], _labels(curve), style.legend(figure, above, below))
     return figure
 
 
-def worst(diagnosis: Mapping[str, Any]) -> Curve | None:
+def worst(diagnosis: DiagnosisRecord) -> Curve | None:
     """What `close_up` shows: of the first recording, the channel and the stretch missed most.
 
     A curve of too few points is shown whole: no stretch of it says more than the rest.
     """
     found = [
         curve
-        for entry in drawable(diagnosis, "curves")[:1]
+        for entry in drawable(diagnosis.curves)[:1]
         for curve in curves_of(entry)
         if error(curve, "before") is not None
     ]
@@ -121,15 +121,15 @@ def _errors(axes: "Axes", curve: Curve, floor: float | None) -> None:
 def _labels(curve: Curve) -> list[str]:
     """Of the angle above and the error below."""
     unit = angle_unit([largest(error(curve, "before"), error(curve, "after"))])[0]
-    return [f"{reading.CHANNELS[curve.channel]} [rad]", f"error [{unit}]"]
+    return [f"{CHANNELS[curve.channel]} [rad]", f"error [{unit}]"]
 
 
-def described(diagnosis: Mapping[str, Any], index: int = 0) -> str:
+def described(diagnosis: DiagnosisRecord, index: int = 0) -> str:
     """The size of each error."""
-    curves = curves_of(drawable(diagnosis, "curves")[index])
+    curves = curves_of(drawable(diagnosis.curves)[index])
     said = []
     for curve in curves:
-        name = reading.CHANNELS[curve.channel]
+        name = CHANNELS[curve.channel]
         before, after = rms(error(curve, "before")), rms(error(curve, "after"))
         if before is not None and after is not None:
             said.append(f"{name} {angle(before)} before and {angle(after)} after")

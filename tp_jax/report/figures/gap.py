@@ -1,11 +1,11 @@
 """The error on held-out data before and after, against the noise."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tp_jax.report import layout, reading, style
+from tp_jax.report import layout, style
 from tp_jax.report.figures import bars
 from tp_jax.report.formatting import angles
+from tp_jax.results.diagnosis import DiagnosisRecord, Found
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,22 +13,23 @@ if TYPE_CHECKING:
 _KINDS = {"free_run": "free run", "windowed": "in windows"}
 
 
-def shown(diagnosis: Mapping[str, Any]) -> list[tuple[str, str, float]]:
+def shown(diagnosis: DiagnosisRecord) -> list[tuple[str, str, float]]:
     """Kind of error, before or after, and its size [rad], as far as they are known."""
     found = [
-        (kind, state, reading.value(diagnosis, "gap", state, kind))
+        (kind, state, getattr(getattr(diagnosis.gap, state), kind))
         for kind in _KINDS
         for state in ("before", "after")
     ]
     return [(kind, state, size) for kind, state, size in found if size is not None]
 
 
-def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     """A bar for each error, with the noise floor as a line.
 
     Returns:
         None if no error is known.
     """
+    diagnosis = DiagnosisRecord.read(found)
     rows = shown(diagnosis)
     if not rows:
         return None
@@ -39,7 +40,7 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     colours = {"before": style.BEFORE, "after": style.AFTER}
     axes.barh(range(len(rows)), sizes, height=0.66, color=[colours[state] for _, state, _ in rows])
     right = bars.numbers(axes, range(len(rows)), sizes, angles(sizes))
-    floor = reading.floor(diagnosis)
+    floor = diagnosis.floor
     if floor is not None:
         axes.axvline(floor, color=style.INK, lw=1.0, ls=(0, (2, 2)))
     left = bars.names(axes, [f"{_KINDS[kind]}, {state}" for kind, state, _ in rows], width)

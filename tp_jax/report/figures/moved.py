@@ -1,12 +1,12 @@
 """How far each parameter moved when the causes were added, in its own standard errors."""
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tp_jax.report import layout, reading, style
+from tp_jax.report import layout, style
 from tp_jax.report.figures import bars
 from tp_jax.report.formatting import number
+from tp_jax.results.diagnosis import DiagnosisRecord, Found
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,21 +15,20 @@ _NOTABLE = 2.0  # standard errors; the scale is straight up to here and logarith
 _STRAIGHT = 0.5  # length of the straight part on either side, in decades of the other
 
 
-def shown(diagnosis: Mapping[str, Any]) -> list[tuple[str, float]]:
+def shown(diagnosis: DiagnosisRecord) -> list[tuple[str, float]]:
     """Parameter and shift in standard errors, the largest first."""
-    absorbed = reading.table(diagnosis, "absorbed")
-    found = [(name, reading.value(absorbed, name, "in_standard_errors")) for name in absorbed]
+    found = [(name, moved.in_standard_errors) for name, moved in diagnosis.absorbed.items()]
     known = [(name, shift) for name, shift in found if shift is not None]
     return sorted(known, key=lambda row: -abs(row[1]))
 
 
-def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     """A bar for each parameter.
 
     Returns:
         None if nothing is known of any.
     """
-    rows = shown(diagnosis)
+    rows = shown(DiagnosisRecord.read(found))
     if not rows:
         return None
     figure = style.new_figure(width, 0.9 + 0.3 * len(rows))

@@ -1,20 +1,18 @@
 """Windowed residuals over time, in units of the noise, before and after."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tp_jax.report import reading, style
+from tp_jax.report import style
 from tp_jax.report.figures.curves import curves_of, drawable, largest, rms
 from tp_jax.report.figures.rows import over_time
 from tp_jax.report.formatting import number
+from tp_jax.results.diagnosis import CHANNELS, DiagnosisRecord, Found
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw(
-    diagnosis: Mapping[str, Any], index: int = 0, width: float = style.WIDE
-) -> "Figure | None":
+def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | None":
     """One row for each channel; the band holds 95 % of pure noise.
 
     Args:
@@ -24,7 +22,7 @@ def draw(
     Returns:
         None if there is no such recording.
     """
-    entries = drawable(diagnosis, "residuals")
+    entries = drawable(DiagnosisRecord.read(found).residuals)
     if index >= len(entries):
         return None
     channels = curves_of(entries[index])
@@ -41,16 +39,16 @@ def draw(
         end = max(1.05 * largest(curve.before, curve.after), 3.0)
         axes.set_ylim(-end, end)
         axes.margins(x=0.0)
-    labels = [f"{reading.CHANNELS[curve.channel]} [noise]" for curve in channels]
+    labels = [f"{CHANNELS[curve.channel]} [noise]" for curve in channels]
     over_time(figure, rows, labels, style.legend(figure, rows[0]))
     return figure
 
 
-def described(diagnosis: Mapping[str, Any], index: int = 0) -> str:
+def described(diagnosis: DiagnosisRecord, index: int = 0) -> str:
     """The rms of each channel in units of the noise."""
     said = []
-    for curve in curves_of(drawable(diagnosis, "residuals")[index]):
-        name = reading.CHANNELS[curve.channel]
+    for curve in curves_of(drawable(diagnosis.residuals)[index]):
+        name = CHANNELS[curve.channel]
         before, after = rms(curve.before), rms(curve.after)
         if before is not None and after is not None:
             said.append(f"{name} {number(before)} before and {number(after)} after")

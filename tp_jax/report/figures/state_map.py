@@ -1,12 +1,12 @@
 """The gap over angle and velocity: in which part of its motion each body leaves the model."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tp_jax.report import layout, reading, style
+from tp_jax.report import layout, style
 from tp_jax.report.figures.curves import curves_of, dense, drawable
+from tp_jax.results.diagnosis import CHANNELS, DiagnosisRecord, Found
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,21 +27,21 @@ class Points(NamedTuple):
     after: np.ndarray | None
 
 
-def points(diagnosis: Mapping[str, Any]) -> list[Points]:
+def points(diagnosis: DiagnosisRecord) -> list[Points]:
     """The channels that can be mapped, over all held-out recordings.
 
     Angle and velocity are those measured, from `curves`, whose points are those of `residuals`. A
     channel is left out where they lie too far apart for a velocity.
     """
     motions = {}
-    for entry in drawable(diagnosis, "curves"):
+    for entry in drawable(diagnosis.curves):
         for curve in curves_of(entry):
             if curve.measured is not None and dense(curve):
-                motions[reading.text(entry, "recording"), curve.channel] = curve
+                motions[entry.recording, curve.channel] = curve
     found: dict[str, list[Points]] = {}
-    for entry in drawable(diagnosis, "residuals"):
+    for entry in drawable(diagnosis.residuals):
         for missed in curves_of(entry):
-            motion = motions.get((reading.text(entry, "recording"), missed.channel))
+            motion = motions.get((entry.recording, missed.channel))
             if motion is None or not np.array_equal(motion.t, missed.t):
                 continue
             velocity = np.gradient(motion.measured, motion.t)
@@ -50,13 +50,13 @@ def points(diagnosis: Mapping[str, Any]) -> list[Points]:
     return [_joined(parts) for parts in found.values()]
 
 
-def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     """A row for each channel; before and after side by side, on one scale.
 
     Returns:
         None if no channel can be mapped.
     """
-    rows = points(diagnosis)
+    rows = points(DiagnosisRecord.read(found))
     states = [s for s in ("before", "after") if any(getattr(row, s) is not None for row in rows)]
     if not rows or not states:
         return None
@@ -73,7 +73,7 @@ def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | N
     layout.place(figure, left=layout.SPACING.line, **spaces)  # the height decides on the ticks
     away = layout.numbers(grid[:, 0])
     for row, line in zip(rows, grid, strict=True):
-        layout.label_left(line[0], f"velocity of {reading.CHANNELS[row.channel]} [rad/s]", away)
+        layout.label_left(line[0], f"velocity of {CHANNELS[row.channel]} [rad/s]", away)
     layout.place(figure, left=away + layout.SPACING.line, **spaces)
     for image, line in zip(drawn, grid, strict=True):
         if image is not None:
@@ -102,13 +102,13 @@ def _row(row: Points, states: list[str], line: Any, width: float) -> Any:
         if width < style.WIDE:  # numbers side by side take more of it than those above each other
             axes.locator_params(axis="x", nbins=3, steps=[1, 2, 5, 10])
             axes.tick_params(axis="x", labelsize=style.SMALL)
-        layout.label_below(axes, f"{reading.CHANNELS[row.channel]} [rad]")
+        layout.label_below(axes, f"{CHANNELS[row.channel]} [rad]")
         if len(states) > 1:
             style.title(axes, state)
     return image
 
 
-def described(diagnosis: Mapping[str, Any]) -> str:
+def described(diagnosis: DiagnosisRecord) -> str:
     """Where the largest miss of the model before lies."""
     said = []
     for row in points(diagnosis):
@@ -119,7 +119,7 @@ def described(diagnosis: Mapping[str, Any]) -> str:
         i, j = np.unravel_index(np.nanargmax(cells), cells.shape)
         angle, velocity = (0.5 * (e[n] + e[n + 1]) for e, n in zip(edges, (i, j), strict=True))
         said.append(
-            f"{reading.CHANNELS[row.channel]} near {_signed(angle)} rad and "
+            f"{CHANNELS[row.channel]} near {_signed(angle)} rad and "
             f"{_signed(velocity)} rad/s ({np.nanmax(cells):.2g} times the noise)"
         )
     return "; ".join(said)

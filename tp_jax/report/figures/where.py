@@ -1,11 +1,11 @@
 """Where the gap lies: the share of each place."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tp_jax.report import layout, reading, style, words
+from tp_jax.report import layout, style, words
 from tp_jax.report.figures import bars
 from tp_jax.report.formatting import percent
+from tp_jax.results.diagnosis import DiagnosisRecord, Found, Location
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,33 +13,28 @@ if TYPE_CHECKING:
 MOST = 8
 
 
-def shown(diagnosis: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def shown(diagnosis: DiagnosisRecord) -> list[Location]:
     """Places with a share, largest first as given."""
-    places = reading.rows(diagnosis, "where")
-    return [
-        place
-        for place in places
-        if reading.text(place, "location") and reading.value(place, "share") is not None
-    ][:MOST]
+    return [place for place in diagnosis.where if place.share is not None][:MOST]
 
 
-def draw(diagnosis: Mapping[str, Any], width: float = style.WIDE) -> "Figure | None":
+def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     """One bar for each place.
 
     Returns:
         None if no place has a share.
     """
-    places = shown(diagnosis)
+    places = shown(DiagnosisRecord.read(found))
     if not places:
         return None
-    shares = [reading.value(place, "share") or 0.0 for place in places]
+    shares = [place.share or 0.0 for place in places]
     figure = style.new_figure(width, 0.8 + 0.42 * len(places))
     axes = figure.subplots()
     style.dress(axes, grid=None)
     colours = [style.BEFORE] + [style.BAND] * (len(places) - 1)
     axes.barh(range(len(places)), shares, height=0.62, color=colours, lw=0.0)
     right = bars.numbers(axes, range(len(places)), shares, [percent(share) for share in shares])
-    names = [reading.text(place, "location") for place in places]
+    names = [place.location for place in places]
     if width >= style.BESIDE:
         names = [words.location(name).removeprefix("the ") for name in names]
     left = bars.names(axes, names, width)

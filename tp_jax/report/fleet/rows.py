@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tp_jax.report import reading
-from tp_jax.report.formatting import bounds
+from tp_jax.report.formatting import bounds, finite
+from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Found, Size
 
 SCHEMA = "tp-jax/fleet/1"
 
@@ -25,51 +25,45 @@ COLUMNS: dict[str, type] = {
 """Of a row. Sizes and the interval's ends are in `unit`, gaps and noise in rad."""
 
 
-def row(rig: str, diagnosis: Mapping[str, Any], report: str = "") -> dict[str, Any]:
+def row(rig: str, found: Found, report: str = "") -> dict[str, Any]:
     """A rig's row; what its diagnosis lacks is None.
 
     Args:
         rig: its name in the fleet.
-        diagnosis: as in diagnosis.json.
+        found: its diagnosis, or the dictionary of it.
         report: where its page is, from the fleet's folder.
     """
-    causes = reading.causes(diagnosis)
-    first = causes[0] if causes else {}
-    places = reading.rows(diagnosis, "where")
+    diagnosis = DiagnosisRecord.read(found)
+    gap, causes = diagnosis.gap, diagnosis.accepted
+    first = causes[0] if causes else Cause("")
     # the place of what causes the gap; where nothing is named, of most of the gap
-    effect = reading.text(first, "effect")
-    place = reading.text(first, "location") or (
-        reading.text(places[0], "location") if places else ""
-    )
-    channels = [reading.text(each, "channel") for each in places
-                if reading.text(each, "location") == place]  # fmt: skip
-    sizes = reading.table(first, "parameters")
-    parameter = next(iter(sizes), "")
-    size = reading.table(sizes, parameter)
-    low, high = bounds(size.get("ci95")) or (None, None)
-    shrink = bounds(reading.table(diagnosis, "gap").get("shrink_ci95")) or (None, None)
+    place = first.location or (diagnosis.where[0].location if diagnosis.where else "")
+    channels = [each.channel for each in diagnosis.where if each.location == place]
+    parameter, size = next(iter(first.parameters.items()), ("", Size()))
+    low, high = bounds(size.ci95) or (None, None)
+    shrink = bounds(gap.shrink_ci95) or (None, None)
     return {
         **blank(rig),
-        "campaign": reading.text(diagnosis, "campaign") or None,
-        "verdict": reading.verdict(diagnosis),
+        "campaign": diagnosis.campaign or None,
+        "verdict": diagnosis.verdict or "unknown",
         "location": place or None,
         "channel": channels[0] or None if channels else None,
-        "cause": effect or None,
-        "probability": reading.value(first, "probability"),
-        "confused_with": "; ".join(reading.tied_with(diagnosis, effect)) or None,
-        "other_causes": "; ".join(reading.text(each, "effect") for each in causes[1:]) or None,
+        "cause": first.effect or None,
+        "probability": first.probability,
+        "confused_with": "; ".join(diagnosis.tied_with(first.effect)) or None,
+        "other_causes": "; ".join(diagnosis.causes[1:]) or None,
         "parameter": parameter or None,
-        "value": reading.value(size, "value"),
-        "unit": reading.text(size, "unit") or None,
+        "value": finite(size.value),
+        "unit": size.unit or None,
         "value_low": low,
         "value_high": high,
-        "shrink": reading.value(diagnosis, "gap", "shrink"),
+        "shrink": gap.shrink,
         "shrink_low": shrink[0],
         "shrink_high": shrink[1],
-        "gap_before": reading.value(diagnosis, "gap", "before", "windowed"),
-        "gap_after": reading.value(diagnosis, "gap", "after", "windowed"),
-        "noise_floor": reading.floor(diagnosis),
-        "wall_s": reading.value(diagnosis, "provenance", "wall_s"),
+        "gap_before": gap.before.windowed,
+        "gap_after": gap.after.windowed,
+        "noise_floor": diagnosis.floor,
+        "wall_s": diagnosis.provenance.wall_s,
         "report": report or None,
     }
 
