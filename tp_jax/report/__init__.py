@@ -1,4 +1,4 @@
-"""What people read: a diagnosis as a page, as text and as figures; a trajectory as a picture.
+"""Output for people: a diagnosis as a page, as text and as figures; a trajectory as a picture.
 
     words, formatting      names in sentences, numbers as text
     verdict                a diagnosis that may lack anything -> three plain sentences

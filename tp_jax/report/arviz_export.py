@@ -24,7 +24,7 @@ SYMMETRIC = 1e-3
 
 
 class Found(Protocol):
-    """What `identify` or `diagnose` returns."""
+    """Result of `identify` or of `diagnose`."""
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain numbers."""
@@ -104,7 +104,7 @@ def _arviz() -> Any:
 
 
 def _is_determined(p: Mapping[str, Any]) -> bool:
-    """Whether the data give a parameter an interval with two ends."""
+    """True where the data give a parameter an interval with two ends."""
     interval = p.get("ci95")
     ends = isinstance(interval, list | tuple) and len(interval) == 2 and None not in interval
     return ends and p.get("identifiable") is not False and p.get("value") is not None

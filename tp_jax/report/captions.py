@@ -1,4 +1,4 @@
-"""What each figure shows, in words: its caption, and its text for those who do not see it."""
+"""Contents of each figure in words: its caption, and its text for those who do not see it."""
 
 from tp_jax.report import figures, words
 from tp_jax.report.figures.curves import curves_of, dense, drawable
@@ -113,7 +113,7 @@ def moved(diagnosis: DiagnosisRecord) -> str:
 
 
 def _lines(entry: HeldOutRun) -> str:
-    """What is drawn how."""
+    """Kinds of lines, and what each stands for."""
     joined = all(dense(curve) for curve in curves_of(entry))
     after = any(curve.after is not None for curve in curves_of(entry))
     before = "dashed" if joined else "orange"

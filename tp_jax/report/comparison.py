@@ -12,7 +12,7 @@ Row = tuple[str, str, str]
 
 
 def compared(a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
-    """What differs and what does not, for `tp-jax compare --json`.
+    """Returns what differs and what does not, for `tp-jax compare --json`.
 
     Args:
         a, b: two diagnoses.

@@ -69,7 +69,7 @@ def render(found: Found, *, day: date | None = None) -> str:
 
 
 def environment() -> "Environment":
-    """What fills the templates of this folder."""
+    """Returns what fills the templates of this folder."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -93,7 +93,7 @@ def _page(diagnosis: DiagnosisRecord, drawn: pictures.Pictures, day: date | None
 def context(
     diagnosis: DiagnosisRecord, drawn: pictures.Pictures, day: date | None = None
 ) -> dict[str, Any]:
-    """What the template shows: sentences, tables of text, figures."""
+    """Collects what the template shows: sentences, tables of text, figures."""
     shown = {
         "campaign": diagnosis.campaign or "unnamed campaign",
         "model": diagnosis.model,
@@ -148,7 +148,7 @@ def _contents(shown: Mapping[str, Any]) -> list[Part]:
 
 
 def _dates(diagnosis: DiagnosisRecord, day: date | None) -> list[str]:
-    """When the recordings were made, and the report of them."""
+    """Says when the recordings were made, and the report of them."""
     days = diagnosis.recorded
     recorded = f"recorded {' to '.join(days)}" if days else ""
     written = "" if day is None else f"report of {day.isoformat()}"
@@ -156,7 +156,7 @@ def _dates(diagnosis: DiagnosisRecord, day: date | None) -> list[str]:
 
 
 def _too_sparse(diagnosis: DiagnosisRecord, drawn: pictures.Pictures) -> bool:
-    """Whether there are residuals but no map of them over the motion."""
+    """True where there are residuals but no map of them over the motion."""
     return bool(drawn.windows) and drawn.state_map is None and bool(drawable(diagnosis.curves))
 
 

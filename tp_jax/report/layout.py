@@ -1,4 +1,4 @@
-"""Where the parts of a figure stand, in inches.
+"""Places of the parts of a figure, in inches.
 
 Matplotlib's constrained layout draws every text several times to learn its size, which takes longer
 than the drawing itself. Here margins are given, and only what differs from figure to figure is

@@ -119,7 +119,7 @@ def over_states(diagnosis: DiagnosisRecord) -> Picture | None:
 
 
 def places(diagnosis: DiagnosisRecord) -> Picture | None:
-    """Where the gap lies, unless it stands beside the verdict or would be a single bar."""
+    """Draws where the gap lies, unless it stands beside the verdict or would be a single bar."""
     if diagnosis.verdict in ("unknown", None) or len(where.shown(diagnosis)) < 2:
         return None
     return _where(diagnosis, style.WIDE, "where")
@@ -137,7 +137,7 @@ def bars(diagnosis: DiagnosisRecord) -> Picture | None:
 
 
 def shifts(diagnosis: DiagnosisRecord) -> Picture | None:
-    """What moved when the causes were added."""
+    """Draws what moved when the causes were added."""
     caption = captions.moved(diagnosis)
     return picture(lambda width: moved.draw(diagnosis, width), "moved", caption)
 

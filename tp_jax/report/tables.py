@@ -102,7 +102,7 @@ def first_rows(of: Table | None, most: int) -> tuple[Table | None, Table | None]
 
 
 def places(diagnosis: DiagnosisRecord) -> Table | None:
-    """Where the gap lies, and when."""
+    """Table of where the gap lies, and when."""
     rows = [
         (
             words.capital(words.location(place.location)),
@@ -145,7 +145,7 @@ def parameters(diagnosis: DiagnosisRecord) -> Table | None:
 
 
 def provenance(diagnosis: DiagnosisRecord) -> Table | None:
-    """Where the numbers come from."""
+    """Origin of the numbers."""
     found = diagnosis.provenance
     rows = [
         ("campaign", diagnosis.campaign),
@@ -162,7 +162,7 @@ def provenance(diagnosis: DiagnosisRecord) -> Table | None:
 
 
 def scale_line(diagnosis: DiagnosisRecord) -> str:
-    """Which inertia of the column fixes the scale, as a sentence; empty where it is not known."""
+    """Says which inertia of the column fixes the scale; empty where it is not known."""
     if diagnosis.fits is None:
         return ""
     B1 = diagnosis.fits.before.parameters.get("B1")
@@ -186,7 +186,7 @@ def shrink_line(diagnosis: DiagnosisRecord) -> str:
 
 
 def floor_line(diagnosis: DiagnosisRecord) -> str:
-    """What the noise floor is made of, as a sentence; empty where it is noise alone."""
+    """Says what the noise floor is made of; empty where it is noise alone."""
     parts = diagnosis.noise_floor_parts
     said = []
     for channel, name in CHANNELS.items():

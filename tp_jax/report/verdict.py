@@ -33,7 +33,7 @@ _LEVEL = 0.05  # of the test of structure
 
 
 class Verdict(NamedTuple):
-    """What a reader takes away.
+    """Sentences that a reader takes away.
 
     Attributes:
         heading: the verdict in a few words.
@@ -135,7 +135,7 @@ def _what(diagnosis: DiagnosisRecord) -> str:
 
 
 def _cause(cause: Cause) -> str:
-    """What happens, with its id (unless that is all that is known of it) and probability."""
+    """Says what happens, with its id (unless that is all that is known of it) and probability."""
     more = [cause.effect] if words.clause(cause.effect) else []
     if cause.probability is not None:
         more.append(f"probability {probability(cause.probability)}")
@@ -161,7 +161,7 @@ def _agreement(causes: Sequence[Cause]) -> str:
 
 
 def _remedy(causes: Sequence[Cause]) -> str:
-    """What to do at the rig, and how to check by hand, a sentence each for every cause."""
+    """Says what to do at the rig, and how to check by hand, a sentence each for every cause."""
     said = []
     for cause in causes:
         name = f"For {cause.effect}: " if len(causes) > 1 else ""
@@ -227,18 +227,18 @@ def _error(diagnosis: DiagnosisRecord) -> str:
 
 
 def _has_structure(p: float | None) -> bool:
-    """Whether a test of structure finds something; not known counts as nothing."""
+    """True where a test of structure finds something; not known counts as nothing."""
     return p is not None and p < _LEVEL
 
 
 def _nothing_left(diagnosis: DiagnosisRecord) -> bool:
-    """Whether the test of structure finds nothing beside the causes."""
+    """True where the test of structure finds nothing beside the causes."""
     p = diagnosis.gap.structure_p_after
     return p is not None and p >= _LEVEL
 
 
 def _left(diagnosis: DiagnosisRecord) -> str:
-    """That the model with its causes is not complete, where the test of structure says so."""
+    """Says that the model with its causes is not complete, where the test of structure says so."""
     p = diagnosis.gap.structure_p_after
     if not _has_structure(p):
         return ""
@@ -264,7 +264,7 @@ def sizes(cause: Cause) -> list[str]:
 
 
 def next_experiment(diagnosis: DiagnosisRecord) -> str:
-    """What to record next and why, in one or two sentences; empty where nothing is proposed."""
+    """Says what to record next and why, in two sentences; empty where nothing is proposed."""
     plan = diagnosis.next_experiment
     if plan is None:
         return ""

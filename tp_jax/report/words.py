@@ -1,4 +1,4 @@
-"""What the ids of results are called in sentences.
+"""Names of the ids of results in sentences.
 
 Parameters from outside the package have no entry here and go by their ids; effects from outside
 bring their clause, `says`.
@@ -111,7 +111,7 @@ def effect(name: str) -> str:
 
 
 def clause(name: str) -> str:
-    """What an effect does, as a clause; "" where nobody has said."""
+    """Says what an effect does, as a clause; "" where nobody has said."""
     if name in EFFECTS:
         return EFFECTS[name]
     place, _, argument = name.partition(".")

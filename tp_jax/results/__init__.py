@@ -1,4 +1,4 @@
-"""What commands find, as types: one file for each kind of result, without JAX.
+"""Results of commands, as types: one file for each kind of result, without JAX.
 
 encoding         a type's annotations say how it is written as JSON, read, and checked
 sizes            numbers with their errors

@@ -1,4 +1,4 @@
-"""What diagnosis.json holds, version 1: the types of it, from which its schema is made too.
+"""Contents of diagnosis.json, version 1: the types of it, from which its schema is made too.
 
 SI units, angles in rad. What nobody could say is None; a file may lack all but `fits`.
 """
@@ -63,7 +63,7 @@ class LackOfFit(Record):
 
 @dataclass(frozen=True)
 class LackOfFits(Record):
-    """That test of the model before, and after the causes are added."""
+    """The same test of the model before, and after the causes are added."""
 
     before: LackOfFit | None = None
     after: LackOfFit | None = None
@@ -79,7 +79,7 @@ class Misfits(Record):
 
 @dataclass(frozen=True)
 class Gap(Record):
-    """How large the gap is on held-out data, and how far it shrinks.
+    """Size of the gap on held-out data, and how far it shrinks.
 
     Attributes:
         shrink: the part of the removable gap that is gone; None where there is too little of it.
@@ -122,7 +122,7 @@ class ChannelNoise(Record):
 
 @dataclass(frozen=True)
 class FloorParts(Record):
-    """What the noise floor is made of, by channel [rad]."""
+    """Parts of the noise floor, by channel [rad]."""
 
     noise: dict[str, float | None] = field(default_factory=dict)
     calibration: dict[str, float | None] = field(default_factory=dict)
@@ -144,7 +144,7 @@ class Location(Record):
 
 @dataclass(frozen=True)
 class Visited(Record):
-    """How the samples spread over a law's argument: edges (b + 1,) of bins, share (b,) of each."""
+    """Spread of the samples over a law's argument: edges (b + 1,) of bins, share (b,) of each."""
 
     edges: tuple[float, ...] = ()
     share: tuple[float, ...] = ()
@@ -221,14 +221,14 @@ class Candidate(Record):
 
     @property
     def judged(self) -> bool:
-        """Whether anything is known of it."""
+        """True where anything is known of it."""
         numbers = (self.predicted_shrink, self.realised_shrink, self.probability, self.z)
         return any(x is not None for x in numbers) or bool(self.note)
 
 
 @dataclass(frozen=True)
 class Shift(Record):
-    """How far a parameter had been pulled aside: baseline minus refitted, in its unit."""
+    """Shift of a parameter that had been pulled aside: baseline minus refitted, in its unit."""
 
     shift: float | None = None
     in_standard_errors: float | None = None
@@ -347,7 +347,7 @@ class Series(Record):
 
 @dataclass(frozen=True)
 class HeldOutRun(Record):
-    """What a report draws of a held-out recording, over the times t [s]."""
+    """Curves that a report draws of a held-out recording, over the times t [s]."""
 
     recording: str = ""
     t: Numbers | None = None
@@ -357,7 +357,7 @@ class HeldOutRun(Record):
 
 @dataclass(frozen=True)
 class Provenance(Record):
-    """Where the numbers come from: version, seed, SHA-256 of each file, computing time [s]."""
+    """Origin of the numbers: version, seed, SHA-256 of each file, computing time [s]."""
 
     version: str = ""
     seed: Annotated[int | None, Schema(parts.NUMBER_OR_NULL)] = None

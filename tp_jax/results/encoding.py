@@ -163,7 +163,7 @@ def _decoded(kind: Any, value: Any) -> Any:
 
 
 def _is_number(value: Any) -> bool:
-    """Whether it is a number that a later computation can work with."""
+    """True where it is a number that a later computation can work with."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return abs(value) <= LARGEST and not math.isnan(value)

@@ -1,4 +1,4 @@
-"""What `tp-jax identify --json` writes, version 1; SI units, angles in rad."""
+"""Output of `tp-jax identify --json`, version 1; SI units, angles in rad."""
 
 from dataclasses import dataclass, field
 from typing import Annotated
@@ -12,7 +12,7 @@ VERSION = "tp-jax/identify/1"
 
 @dataclass(frozen=True, kw_only=True)
 class StartRecord(Record):
-    """How a start ended: objective None where the motion could not be integrated from it."""
+    """End of a start: objective None where the motion could not be integrated from it."""
 
     objective: float | None
     converged: bool
@@ -45,7 +45,7 @@ class Warned(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class IdentifyProvenance(Record):
-    """Where the numbers come from.
+    """Origin of the numbers.
 
     eps: the friction's smoothing [s/rad]; horizon_s: length of the windows [s]; wall_s [s].
     """

@@ -1,4 +1,4 @@
-"""What files must be like to be read back, and how to say where one is not.
+"""Schemas of files that are read back, and sentences about where one does not fit.
 
 checking       JSON and TOML; a value against a schema -> one sentence that names the field
 parts          numbers, texts, tables and lists, of which schemas are made

@@ -12,7 +12,7 @@ def _square(size: int) -> dict[str, Any]:
 
 
 def _of_law(law: str, names: tuple[str, ...]) -> dict[str, Any]:
-    """What a sensor needs, if it is one of this law."""
+    """Returns what a sensor needs, if it is one of this law."""
     wanted = table(
         {
             "law": {"const": law},

@@ -28,7 +28,7 @@ class Misfit(InputError):
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """What a TOML file holds.
+    """Reads a TOML file.
 
     Raises:
         InputError: it cannot be read.
@@ -40,7 +40,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
 
 
 def read_json(path: str | Path) -> Any:
-    """What a JSON file holds; NaN and infinities, which are not JSON, are refused.
+    """Reads a JSON file; NaN and infinities, which are not JSON, are refused.
 
     Raises:
         InputError: it cannot be read.
@@ -52,7 +52,7 @@ def read_json(path: str | Path) -> Any:
 
 
 def json_of(text: str, source: str) -> Any:
-    """What a JSON text holds; `source` is what a fault's sentence begins with.
+    """Reads a JSON text; `source` is what a fault's sentence begins with.
 
     Raises:
         InputError: it is not JSON.
@@ -78,7 +78,7 @@ def read_versioned(
     *,
     largest: float = LARGEST,
 ) -> dict[str, Any]:
-    """What a JSON file holds that says in "schema" which version it is of.
+    """Reads a JSON file that says in "schema" which version it is of.
 
     Args:
         path: the file.
@@ -134,7 +134,7 @@ def check(value: Any, schema: Mapping[str, Any], source: str, *, largest: float 
 
 
 def _told(fault: Any) -> str:
-    """What is wrong, and where."""
+    """Says what is wrong, and where."""
     path = list(fault.absolute_path)
     if fault.validator == "required":
         missing = [name for name in fault.validator_value if name not in fault.instance]

@@ -1,4 +1,4 @@
-"""What schemas are made of. "says" is what a reader is told the field must be."""
+"""Parts that schemas are made of. "says" is what a reader is told the field must be."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What figures of horizontal bars have in common: names left of them, numbers at their ends."""
+"""Common parts of figures of horizontal bars: names left of them, numbers at their ends."""
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING

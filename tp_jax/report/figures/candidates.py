@@ -63,5 +63,5 @@ def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
 
 
 def _numbers(row: Candidate) -> list[float]:
-    """What is known of its two bars."""
+    """Returns what is known of its two bars."""
     return [x for x in (row.predicted_shrink, row.realised_shrink) if x is not None]

@@ -73,7 +73,7 @@ def error(curve: Curve, of: str) -> np.ndarray | None:
 
 
 def dense(curve: Curve) -> bool:
-    """Whether the points lie close enough to be joined by a line.
+    """True where the points lie close enough to be joined by a line.
 
     The curves of a long recording are thinned, down to a few points a period: a line through them
     would be a motion that never was.

@@ -61,7 +61,7 @@ def close_up(found: Found, width: float = style.BESIDE) -> "Figure | None":
 
 
 def worst(diagnosis: DiagnosisRecord) -> Curve | None:
-    """What `close_up` shows: of the first recording, the channel and the stretch missed most.
+    """Finds what `close_up` shows: of the first recording, the channel and the stretch missed most.
 
     A curve of too few points is shown whole: no stretch of it says more than the rest.
     """

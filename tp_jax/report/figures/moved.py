@@ -1,4 +1,4 @@
-"""How far each parameter moved when the causes were added, in its own standard errors."""
+"""Shifts of the parameters by the causes, each in its own standard errors."""
 
 import math
 from typing import TYPE_CHECKING

@@ -18,7 +18,7 @@ _LEAST_SCALE = 3.0  # standard deviations of the noise; a model that is complete
 
 
 class Points(NamedTuple):
-    """Where one channel was, (n,) each, and how far the model missed it in units of the noise."""
+    """Places of one channel, (n,) each, and how far the model missed it in units of the noise."""
 
     channel: str
     angle: np.ndarray
@@ -109,7 +109,7 @@ def _row(row: Points, states: list[str], line: Any, width: float) -> Any:
 
 
 def described(diagnosis: DiagnosisRecord) -> str:
-    """Where the largest miss of the model before lies."""
+    """Says where the largest miss of the model before lies."""
     said = []
     for row in points(diagnosis):
         edges = _edges(row.angle), _edges(row.velocity)

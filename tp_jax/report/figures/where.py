@@ -1,4 +1,4 @@
-"""Where the gap lies: the share of each place."""
+"""Share of each place in the gap."""
 
 from typing import TYPE_CHECKING
 

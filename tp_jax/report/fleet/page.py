@@ -32,7 +32,7 @@ FOLDER = Path(__file__).parent
 
 
 class Cell(NamedTuple):
-    """What a cell shows, and by what it is sorted.
+    """Content of a cell, and by what it is sorted.
 
     Attributes:
         text: shown. by: a number or a text; None comes last.

@@ -1,4 +1,4 @@
-"""What the rigs of a fleet share, in sentences: the kind's effects, and some rigs' own."""
+"""Effects that the rigs of a fleet share, in sentences: the kind's effects, and some rigs' own."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

@@ -11,7 +11,7 @@ NAMES = {"explained": "explained", "unknown": "unknown", "no_gap": "no gap", FAI
 
 
 def summary(rows: Sequence[Mapping[str, Any]], shared: Mapping[str, Any] | None = None) -> str:
-    """How many rigs have which verdict, a table, and a sentence for each that failed.
+    """Counts rigs by verdict, with a table, and a sentence for each that failed.
 
     Args:
         rows: as `rows.row` and `rows.failed` make them.

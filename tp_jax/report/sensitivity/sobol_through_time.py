@@ -1,4 +1,4 @@
-"""Whose doing the spread of a motion is, at each moment."""
+"""Shares of the parameters in the spread of a motion, at each moment."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any

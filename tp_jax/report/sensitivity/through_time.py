@@ -1,4 +1,4 @@
-"""Which parameter matters when: a row of light for each, from nothing to plain to see."""
+"""Importance of parameters through time: a row of light for each, from nothing to plain to see."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any

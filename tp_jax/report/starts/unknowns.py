@@ -1,4 +1,4 @@
-"""What the starts found: each unknown, from where it began to where it ended."""
+"""Unknowns that the starts found: each, from where it began to where it ended."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Where the starts ended, best first: a plateau at the bottom is the optimum found again."""
+"""Ends of the starts, best first: a plateau at the bottom is the optimum found again."""
 
 from typing import TYPE_CHECKING
 
