@@ -67,12 +67,20 @@ def main(argv: list[str] | None = None) -> int:
         prog="scripts/accelerator",
         description="Times sweeps on the device that JAX finds: a GPU, or the CPU.",
     )
-    parser.add_argument("--runs", metavar="N", type=count, nargs="+", default=[256, 4096, 65536],
-                        help="sizes of the sweeps (default 256 4096 65536)")  # fmt: skip
-    parser.add_argument("--duration", metavar="S", type=float, default=10.0,
-                        help="of a run (default 10)")  # fmt: skip
-    parser.add_argument("--save", metavar="F",
-                        help=f"gets {HELD} runs with fine steps, to compare machines")  # fmt: skip
+    parser.add_argument(
+        "--runs",
+        metavar="N",
+        type=count,
+        nargs="+",
+        default=[256, 4096, 65536],
+        help="sizes of the sweeps (default 256 4096 65536)",
+    )
+    parser.add_argument(
+        "--duration", metavar="S", type=float, default=10.0, help="of a run (default 10)"
+    )
+    parser.add_argument(
+        "--save", metavar="F", help=f"gets {HELD} runs with fine steps, to compare machines"
+    )
     args = parser.parse_args(argv)
 
     import jax

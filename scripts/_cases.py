@@ -24,9 +24,15 @@ if TYPE_CHECKING:
 SHARED = Path(__file__).parent.parent.parent / "shared"
 
 HEAD = (
-    "campaign", "verdict", "causes", "shrink (95 % interval)", "windowed, before → after",
-    "free run, before → after", "noise floor", "seconds",
-)  # fmt: skip
+    "campaign",
+    "verdict",
+    "causes",
+    "shrink (95 % interval)",
+    "windowed, before → after",
+    "free run, before → after",
+    "noise floor",
+    "seconds",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -39,10 +45,12 @@ def _parser() -> Parser:
         description="Diagnoses campaigns and prints one Markdown table of the results.",
     )
     parser.add_argument(
-        "campaigns", metavar="CAMPAIGN", nargs="*",
+        "campaigns",
+        metavar="CAMPAIGN",
+        nargs="*",
         help="folders with a campaign.toml; default: the example that comes with the package and, "
         "where they exist, ../shared/examples/* and ../shared/data/pohl_wheel",
-    )  # fmt: skip
+    )
     parser.add_argument("--out", metavar="DIR", help="gets NAME.json of each campaign")
     add_seed(parser)
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
@@ -108,9 +116,14 @@ def _cells(found: DiagnosisRecord) -> list[str]:
         for kind in ("windowed", "free_run")
     ]
     return [
-        found.campaign, found.verdict or MISSING, ", ".join(found.causes) or MISSING, shrink,
-        *errors, angle(found.floor), number(found.provenance.wall_s, 2),
-    ]  # fmt: skip
+        found.campaign,
+        found.verdict or MISSING,
+        ", ".join(found.causes) or MISSING,
+        shrink,
+        *errors,
+        angle(found.floor),
+        number(found.provenance.wall_s, 2),
+    ]
 
 
 if __name__ == "__main__":

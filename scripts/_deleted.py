@@ -22,16 +22,25 @@ FOLDER = ROOT / ".cache" / "deleted"
 """Folder of the rigs in hand; each goes when its line is written."""
 
 FAMILY = {
-    "bearing_drag": "bearing_dry.v1", "bearing_load": "bearing_dry.load",
-    "bearing_position": "bearing_dry.phi1", "bearing_stribeck": "bearing_dry.v1",
-    "bearing_warmup": "bearing_dry.t", "column_tilt": "column.phi1",
-    "contact_position": "contact_dry.phi2", "contact_stribeck": "contact_dry.v2",
-    "contact_wear": "contact_dry.t", "drive_harmonics": "drive.theta",
-    "elastic_stop": "column.phi1", "sensor1_eccentricity": "sensor1.phi1",
-    "sensor1_nonlinearity": "sensor1.phi1", "sensor2_eccentricity": "sensor2.phi2",
-    "sensor2_nonlinearity": "sensor2.phi2", "spring_asymmetry": "spring.d",
-    "spring_deadzone": "spring.d", "spring_hardening": "spring.d",
-}  # fmt: skip
+    "bearing_drag": "bearing_dry.v1",
+    "bearing_load": "bearing_dry.load",
+    "bearing_position": "bearing_dry.phi1",
+    "bearing_stribeck": "bearing_dry.v1",
+    "bearing_warmup": "bearing_dry.t",
+    "column_tilt": "column.phi1",
+    "contact_position": "contact_dry.phi2",
+    "contact_stribeck": "contact_dry.v2",
+    "contact_wear": "contact_dry.t",
+    "drive_harmonics": "drive.theta",
+    "elastic_stop": "column.phi1",
+    "sensor1_eccentricity": "sensor1.phi1",
+    "sensor1_nonlinearity": "sensor1.phi1",
+    "sensor2_eccentricity": "sensor2.phi2",
+    "sensor2_nonlinearity": "sensor2.phi2",
+    "spring_asymmetry": "spring.d",
+    "spring_deadzone": "spring.d",
+    "spring_hardening": "spring.d",
+}
 """The law, place and argument, that holds what an effect of the catalogue does. Effects that
 remember, or have more periods than a curve of twelve coefficients follows, are not among them."""
 
@@ -39,8 +48,16 @@ SEED = 38
 AS_GOOD = 0.95
 """Part of the shrink of the true law from which a learned one counts as good as it."""
 
-HEADS = ("rigs", "of times detectable", "gap seen", "place and argument", "as good as the true law",
-         "explained", "harm", "CPU s a rig")  # fmt: skip
+HEADS = (
+    "rigs",
+    "of times detectable",
+    "gap seen",
+    "place and argument",
+    "as good as the true law",
+    "explained",
+    "harm",
+    "CPU s a rig",
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -132,10 +149,18 @@ def look(number: int, version: str) -> Row:
     causes = diagnosis["causes"]
     harms = [x for x in (sealed["harm_windowed"], sealed["harm_free_run"]) if x is not None]
     return Row(
-        number, version, hidden, entry["reference"][hidden]["multiple"], diagnosis["verdict"],
-        tuple(c["effect"] for c in causes), causes[0]["probability"] if causes else None,
-        sealed["shrink"], sealed["best"], any(harms) if harms else None, spent,
-    )  # fmt: skip
+        number,
+        version,
+        hidden,
+        entry["reference"][hidden]["multiple"],
+        diagnosis["verdict"],
+        tuple(c["effect"] for c in causes),
+        causes[0]["probability"] if causes else None,
+        sealed["shrink"],
+        sealed["best"],
+        any(harms) if harms else None,
+        spent,
+    )
 
 
 BANDS = ((0.0, 3.0), (3.0, 10.0), (10.0, np.inf))
@@ -152,12 +177,15 @@ def table(rows: Sequence[Row]) -> str:
         asked = [r for r in mine if r.best is not None and r.shrink is not None]
         spent = sum(r.cpu_s for r in mine) / max(len(mine), 1)
         return (
-            str(len(mine)), f"from {low:g}" if high == np.inf else f"{low:g} to {high:g}",
-            share(mine, lambda r: r.verdict != "no_gap"), share(mine, lambda r: r.right),
+            str(len(mine)),
+            f"from {low:g}" if high == np.inf else f"{low:g} to {high:g}",
+            share(mine, lambda r: r.verdict != "no_gap"),
+            share(mine, lambda r: r.right),
             share(asked, lambda r: r.shrink >= AS_GOOD * r.best),
             share(mine, lambda r: r.verdict == "explained"),
-            share(mine, lambda r: bool(r.harm)), f"{spent:.0f}",
-        )  # fmt: skip
+            share(mine, lambda r: bool(r.harm)),
+            f"{spent:.0f}",
+        )
 
     return markdown.table(HEADS, [line(*band) for band in (*BANDS, (0.0, np.inf))])
 

@@ -32,8 +32,14 @@ RUNS = 40
 SEED = 40
 
 HEADS = (
-    "executor", "workers killed", "pieces", "results as alone", "begun", "wall s", "efficiency",
-)  # fmt: skip
+    "executor",
+    "workers killed",
+    "pieces",
+    "results as alone",
+    "begun",
+    "wall s",
+    "efficiency",
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -120,11 +126,21 @@ def main(argv: Sequence[str] | None = None) -> int:
         description="The same pieces through every executor, with and without killed workers.",
     )
     parser.add_argument("--pieces", metavar="N", type=count, default=200, help="default 200")
-    parser.add_argument("--runs", metavar="N", type=count, default=RUNS,
-                        help=f"of a piece (default {RUNS}: a second or two)")  # fmt: skip
+    parser.add_argument(
+        "--runs",
+        metavar="N",
+        type=count,
+        default=RUNS,
+        help=f"of a piece (default {RUNS}: a second or two)",
+    )
     parser.add_argument("--workers", metavar="N", type=count, default=2, help="default 2")
-    parser.add_argument("--every-s", metavar="S", type=positive, default=30.0,
-                        help="between two killed workers (default 30)")  # fmt: skip
+    parser.add_argument(
+        "--every-s",
+        metavar="S",
+        type=positive,
+        default=30.0,
+        help="between two killed workers (default 30)",
+    )
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--write", action="store_true", help="put the table into docs/scale.md")
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
@@ -145,17 +161,20 @@ def compared(args: argparse.Namespace, place: Path) -> Iterator[Line]:
     """The pieces without an executor, then through each, then with workers killed."""
     alone, alone_s = _alone(args, place / "alone")
     yield Line(
-        f"none: {args.workers} processes of as many pieces", 0, len(alone), len(alone),
-        len(alone), alone_s, 1.0,
-    )  # fmt: skip
+        f"none: {args.workers} processes of as many pieces",
+        0,
+        len(alone),
+        len(alone),
+        len(alone),
+        alone_s,
+        1.0,
+    )
     for kills in (False, True):
         for kind in args.kinds:
             folder = place / f"{kind}-{kills}"
             begun = folder / "begun"
             begun.mkdir(parents=True)
-            pieces = [
-                Piece(f"piece-{n}", (n, str(begun), args.runs)) for n in range(args.pieces)
-            ]  # fmt: skip
+            pieces = [Piece(f"piece-{n}", (n, str(begun), args.runs)) for n in range(args.pieces)]
             start = time.monotonic()
             with Hand(begun, np.inf if kills else 0, args.every_s) as hand:
                 ended = list(
@@ -164,10 +183,14 @@ def compared(args: argparse.Namespace, place: Path) -> Iterator[Line]:
             wall_s = time.monotonic() - start
             found = {each.piece.arguments[0]: each.result for each in ended}
             yield Line(
-                kind, len(hand.killed), len(ended),
+                kind,
+                len(hand.killed),
+                len(ended),
                 sum(found.get(n) == result for n, result in alone.items()),
-                sum(begun_times(begun).values()), wall_s, None if kills else alone_s / wall_s,
-            )  # fmt: skip
+                sum(begun_times(begun).values()),
+                wall_s,
+                None if kills else alone_s / wall_s,
+            )
 
 
 def _alone(args: argparse.Namespace, folder: Path) -> tuple[dict[int, str], float]:
@@ -177,11 +200,19 @@ def _alone(args: argparse.Namespace, folder: Path) -> tuple[dict[int, str], floa
     code = "import sys; from scripts._executors import share; share(*sys.argv[1:])"
     running = [
         subprocess.Popen(
-            [sys.executable, "-c", code, str(folder), str(k), *map(str, (
-                args.workers, args.pieces, args.runs))], text=True, stdout=subprocess.PIPE,
+            [
+                sys.executable,
+                "-c",
+                code,
+                str(folder),
+                str(k),
+                *map(str, (args.workers, args.pieces, args.runs)),
+            ],
+            text=True,
+            stdout=subprocess.PIPE,
         )
         for k in range(args.workers)
-    ]  # fmt: skip
+    ]
     found: dict[int, str] = {}
     for each in running:
         for line in each.communicate()[0].splitlines():
@@ -205,13 +236,17 @@ def table(lines: Sequence[Line]) -> str:
         HEADS,
         [
             (
-                line.executor, line.killed or "–", line.pieces, line.same, line.begun,
+                line.executor,
+                line.killed or "–",
+                line.pieces,
+                line.same,
+                line.begun,
                 f"{line.wall_s:.0f}",
                 "–" if line.efficiency is None else f"{line.efficiency:.2f}",
             )
             for line in lines
         ],
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":

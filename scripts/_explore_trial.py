@@ -93,9 +93,13 @@ def _parser() -> Parser:
         "sweep of six. Resumes.",
     )
     parser.add_argument("--rigs", metavar="N", type=count, default=20, help="default 20")
-    parser.add_argument("--diagnosis", choices=(STAND_IN, REAL), default=STAND_IN,
-                        help="the stand-in (default) knows the secret and tells it once "
-                        "the runs show it; the real one takes many minutes a rig")  # fmt: skip
+    parser.add_argument(
+        "--diagnosis",
+        choices=(STAND_IN, REAL),
+        default=STAND_IN,
+        help="the stand-in (default) knows the secret and tells it once "
+        "the runs show it; the real one takes many minutes a rig",
+    )
     add_ledger(parser, LEDGER)
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
@@ -158,9 +162,16 @@ def look(seed: int, diagnosis: str, version: str) -> Row:
                         found.append(diagnose(folder).first)
     spent = round(time.process_time() - begin, 1)
     return Row(
-        seed, diagnosis, version, hidden.effect, round(hidden.multiple, 3),
-        tuple(firsts["explore"]), tuple(firsts["sweep"]), stopped, spent,
-    )  # fmt: skip
+        seed,
+        diagnosis,
+        version,
+        hidden.effect,
+        round(hidden.multiple, 3),
+        tuple(firsts["explore"]),
+        tuple(firsts["sweep"]),
+        stopped,
+        spent,
+    )
 
 
 def hide(seed: int) -> Hidden:
@@ -171,8 +182,11 @@ def hide(seed: int) -> Hidden:
     rng = np.random.default_rng([seed, 0xE7])
     parameters, own, plan = draw_rig(rng, SWEEP, DURATION)
     bench = _bench(parameters, plan, own)
-    ids = [id for id, e in catalogue().items()
-           if e.in_catalogue and not e.per_run and applies(id, False)]  # fmt: skip
+    ids = [
+        id
+        for id, e in catalogue().items()
+        if e.in_catalogue and not e.per_run and applies(id, False)
+    ]
     for id in rng.permutation(ids).tolist():
         draw = catalogue()[id].draw(rng, parameters)
         factor = minimum_detectable(bench, id, draw.sizes, draw.shapes)
@@ -236,8 +250,9 @@ class StandIn:
         """Largest angle of both bodies [rad], without the secret."""
         rig = VirtualRig(self.hidden.parameters)
         rig.start(omega=run.omega, release=run.release, duration=DURATION)
-        return max(abs(x) for t in np.arange(PACE, DURATION, PACE).tolist()
-                   for x in rig.motion(t)[:2])  # fmt: skip
+        return max(
+            abs(x) for t in np.arange(PACE, DURATION, PACE).tolist() for x in rig.motion(t)[:2]
+        )
 
 
 class Real:
@@ -274,10 +289,14 @@ def table(rows: Sequence[Row]) -> str:
             return f"{np.mean([pair[which] for pair in both]):.2f}" if both else "–"
 
         return (
-            kind, str(len(mine)), f"{sum(a is not None for a, _ in pairs)}", mean(0),
-            f"{sum(b is not None for _, b in pairs)}", mean(1),
+            kind,
+            str(len(mine)),
+            f"{sum(a is not None for a, _ in pairs)}",
+            mean(0),
+            f"{sum(b is not None for _, b in pairs)}",
+            mean(1),
             f"{sum(a < b for a, b in both)} of {len(both)}",
-        )  # fmt: skip
+        )
 
     kinds = dict.fromkeys(row.diagnosis for row in rows)
     return markdown.table(HEADS, [line(k, [r for r in rows if r.diagnosis == k]) for k in kinds])

@@ -80,22 +80,37 @@ def _parser() -> Parser:
         description="Diagnoses 24 rigs, and the campaigns beside the repository, and compares "
         "with what is kept of them. Resumes.",
     )
-    parser.add_argument("--name", default="now",
-                        help="of this version; what it has diagnosed already is not done again "
-                        "(default now)")  # fmt: skip
-    parser.add_argument("--afresh", action="store_true",
-                        help="forget what this name has diagnosed")  # fmt: skip
-    parser.add_argument("--against", metavar="NAME",
-                        help="compare with this version instead of trials/guard.json")  # fmt: skip
-    parser.add_argument("--folder", metavar="DIR", default=str(FOLDER),
-                        help="of the rigs and their diagnoses (default .cache/guard)")  # fmt: skip
+    parser.add_argument(
+        "--name",
+        default="now",
+        help="of this version; what it has diagnosed already is not done again (default now)",
+    )
+    parser.add_argument("--afresh", action="store_true", help="forget what this name has diagnosed")
+    parser.add_argument(
+        "--against", metavar="NAME", help="compare with this version instead of trials/guard.json"
+    )
+    parser.add_argument(
+        "--folder",
+        metavar="DIR",
+        default=str(FOLDER),
+        help="of the rigs and their diagnoses (default .cache/guard)",
+    )
     add_executor(parser)
-    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no rig after so many seconds")  # fmt: skip
-    parser.add_argument("--made-only", action="store_true",
-                        help="leave out the campaigns that lie beside the repository")  # fmt: skip
-    parser.add_argument("--keep", action="store_true",
-                        help="write trials/guard.json from what was found")  # fmt: skip
+    parser.add_argument(
+        "--limit-s",
+        metavar="S",
+        type=positive,
+        default=float("inf"),
+        help="begin no rig after so many seconds",
+    )
+    parser.add_argument(
+        "--made-only",
+        action="store_true",
+        help="leave out the campaigns that lie beside the repository",
+    )
+    parser.add_argument(
+        "--keep", action="store_true", help="write trials/guard.json from what was found"
+    )
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
@@ -172,9 +187,12 @@ def _diagnose(target: Path, folder: Path, hidden: tuple[str, ...]) -> None:
     diagnosis = tp.diagnose(tp.load_campaign(folder))
     found = diagnosis.to_dict()
     row = Row(
-        hidden, found["verdict"], tuple(c["effect"] for c in found["causes"]),
-        found["gap"]["shrink"], time.process_time() - begin,
-    )  # fmt: skip
+        hidden,
+        found["verdict"],
+        tuple(c["effect"] for c in found["causes"]),
+        found["gap"]["shrink"],
+        time.process_time() - begin,
+    )
     write_json(target, dataclasses.asdict(row))
 
 

@@ -21,13 +21,26 @@ from tp_jax.executors import Piece, run_pieces
 def add_ledger(parser: argparse.ArgumentParser, ledger: Path) -> None:
     """Arguments that a study with a ledger takes: --ledger, --version, --limit-s, and those of
     `add_executor`."""
-    parser.add_argument("--ledger", metavar="FILE", default=str(ledger),
-                        help=f"where lines are added (default trials/{ledger.name})")  # fmt: skip
-    parser.add_argument("--version", metavar="V", default=__version__,
-                        help="of the lines that count (default that of the package)")  # fmt: skip
+    parser.add_argument(
+        "--ledger",
+        metavar="FILE",
+        default=str(ledger),
+        help=f"where lines are added (default trials/{ledger.name})",
+    )
+    parser.add_argument(
+        "--version",
+        metavar="V",
+        default=__version__,
+        help="of the lines that count (default that of the package)",
+    )
     add_executor(parser)
-    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no rig after so many seconds")  # fmt: skip
+    parser.add_argument(
+        "--limit-s",
+        metavar="S",
+        type=positive,
+        default=float("inf"),
+        help="begin no rig after so many seconds",
+    )
 
 
 def entries(ledger: Path) -> list[dict[str, Any]]:

@@ -30,9 +30,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         description="Identifies campaigns by every method that fits windows and prints a table.",
     )
     parser.add_argument(
-        "campaigns", metavar="CAMPAIGN", nargs="*", default=[str(EXAMPLE)],
+        "campaigns",
+        metavar="CAMPAIGN",
+        nargs="*",
+        default=[str(EXAMPLE)],
         help="folders with a campaign.toml; default: the example that comes with the package",
-    )  # fmt: skip
+    )
     parser.add_argument("--methods", nargs="+", choices=WINDOWS, default=WINDOWS)
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return carried_out("methods", _table, parser.parse_args(argv), resumes=False)
@@ -47,11 +50,20 @@ def _table(args: Any) -> int:
         usual = ended.get(WINDOWS[0], (None, None))[1]
         for method, (result, seconds) in ended.items():
             start, times = result["starts"][0], f" ({seconds / usual:.1f}×)" if usual else ""
-            print(row((
-                result["campaign"], f"`{method}`", f"{result['objective'] - lowest:,.1f}",
-                f"{result['chi2_dof']:.4g}", "yes" if start["converged"] else "at its limit",
-                start["evaluations"], f"{seconds:.0f}{times}",
-            )), flush=True)  # fmt: skip
+            print(
+                row(
+                    (
+                        result["campaign"],
+                        f"`{method}`",
+                        f"{result['objective'] - lowest:,.1f}",
+                        f"{result['chi2_dof']:.4g}",
+                        "yes" if start["converged"] else "at its limit",
+                        start["evaluations"],
+                        f"{seconds:.0f}{times}",
+                    )
+                ),
+                flush=True,
+            )
     print(f"\n{circumstances(0)} In brackets: times the CPU of `{WINDOWS[0]}`.")
     return 0
 
@@ -63,10 +75,23 @@ def _identified(folder: str, method: str) -> tuple[dict[str, Any], float]:
         for name in ("first.json", "second.json"):
             before = _spent()
             subprocess.run(
-                [sys.executable, "-m", "tp_jax", "--quiet", "identify", folder, "--method", method,
-                 "--json", name],
-                cwd=place, check=True, env=os.environ, stdout=subprocess.DEVNULL,
-            )  # fmt: skip
+                [
+                    sys.executable,
+                    "-m",
+                    "tp_jax",
+                    "--quiet",
+                    "identify",
+                    folder,
+                    "--method",
+                    method,
+                    "--json",
+                    name,
+                ],
+                cwd=place,
+                check=True,
+                env=os.environ,
+                stdout=subprocess.DEVNULL,
+            )
             seconds = _spent() - before
         return json.loads(Path(place, "second.json").read_text()), seconds
 

@@ -39,15 +39,25 @@ def _parser() -> Parser:
     )
     parser.add_argument("--out", metavar="DIR", default="out/multistart", help="./out/multistart")
     parser.add_argument("--rigs", metavar="N", type=count, default=20, help="default 20")
-    parser.add_argument("--starts", metavar="N", type=count, default=16,
-                        help="of each, the data's own not counted (default 16)")  # fmt: skip
+    parser.add_argument(
+        "--starts",
+        metavar="N",
+        type=count,
+        default=16,
+        help="of each, the data's own not counted (default 16)",
+    )
     parser.add_argument(
         "--raw-starts", action="store_true", help="as `tp-jax identify --raw-starts`"
     )
     add_seed(parser)
     add_executor(parser)
-    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no rig after so many seconds")  # fmt: skip
+    parser.add_argument(
+        "--limit-s",
+        metavar="S",
+        type=positive,
+        default=float("inf"),
+        help="begin no rig after so many seconds",
+    )
     parser.add_argument("--quick", action="store_true", help="short campaigns, to see it work")
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
@@ -128,10 +138,12 @@ def _rig(number: int, args: Any) -> dict[str, Any]:
             low, high = -np.inf if low is None else low, np.inf if high is None else high
             near = abs(entry["value"] / truth[name] - 1.0) <= NEAR
             rows[name] = {
-                "truth": truth[name], "value": entry["value"], "ci95": [low, high],
+                "truth": truth[name],
+                "value": entry["value"],
+                "ci95": [low, high],
                 "identifiable": entry["identifiable"],
                 "good": bool(near or low <= truth[name] <= high),
-            }  # fmt: skip
+            }
     return {
         "objectives": objectives,
         "above": [None if x is None else x - best for x in objectives],
@@ -159,17 +171,25 @@ def tally(known: Mapping[int, Mapping[str, Any]]) -> dict[str, Any]:
     own = [r["above"][0] is not None and r["above"][0] <= REACHED for r in known.values()]
     names = list(dict.fromkeys(n for r in known.values() for n in r["parameters"]))
     good = {
-        n: share([r["parameters"][n]["good"] for r in known.values()
-                  if n in r["parameters"] and r["parameters"][n]["identifiable"]])
+        n: share(
+            [
+                r["parameters"][n]["good"]
+                for r in known.values()
+                if n in r["parameters"] and r["parameters"][n]["identifiable"]
+            ]
+        )
         for n in names
         if any(n in r["parameters"] and r["parameters"][n]["identifiable"] for r in known.values())
-    }  # fmt: skip
+    }
     return {
-        "rigs": len(known), "starts_that_reach_the_best": share(drawn),
-        "the_datas_own": share(own), "good": good,
-        "seconds": [float(x) for x in np.percentile([r["seconds"] for r in known.values()],
-                                                    [0, 50, 100])],
-    }  # fmt: skip
+        "rigs": len(known),
+        "starts_that_reach_the_best": share(drawn),
+        "the_datas_own": share(own),
+        "good": good,
+        "seconds": [
+            float(x) for x in np.percentile([r["seconds"] for r in known.values()], [0, 50, 100])
+        ],
+    }
 
 
 def lines(found: Mapping[str, Any]) -> list[str]:

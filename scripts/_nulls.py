@@ -63,10 +63,12 @@ def _parser() -> Parser:
         prog="scripts/nulls",
         description="False alarms under many kinds of noise, and a weak drag in decays. Resumes.",
     )
-    parser.add_argument("--kinds", metavar="K,…", default=",".join((*TESTED, *DRAGS)),
-                        help="some of %(default)s")  # fmt: skip
-    parser.add_argument("--seeds", metavar="N", type=count, default=30,
-                        help="rigs of each kind (default 30)")  # fmt: skip
+    parser.add_argument(
+        "--kinds", metavar="K,…", default=",".join((*TESTED, *DRAGS)), help="some of %(default)s"
+    )
+    parser.add_argument(
+        "--seeds", metavar="N", type=count, default=30, help="rigs of each kind (default 30)"
+    )
     add_ledger(parser, LEDGER)
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
@@ -99,8 +101,8 @@ def look(kind: str, seed: int, version: str) -> Row:
 
 def _tested(kind: str, seed: int) -> dict[str, Any]:
     """The tests that a diagnosis makes of its baseline."""
-    from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
-    from tp_jax.estimation.sharpen import sharpened
+    from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
+    from tp_jax.estimation.sharpen import fit_with_sharp_friction
     from tp_jax.gap.choice import misfits
     from tp_jax.gap.known_noise import with_noise_of
     from tp_jax.gap.policy import POLICY
@@ -108,9 +110,9 @@ def _tested(kind: str, seed: int) -> dict[str, Any]:
     from tp_jax.gap.structure import structure_test
 
     setting = prepare_campaign(_campaign(kind, seed))
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+    fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     setting, fit = with_noise_of(setting, fit, fit)
-    fit = sharpened(setting, fit)
+    fit = fit_with_sharp_friction(setting, fit)
     p = structure_test(screen(fit, setting, states=False), seed=0).p
     alarm = p < POLICY.structure.seen or misfits(setting, fit)
     return {"p": p, "alarm": bool(alarm), "causes": (), "noise": float(setting.levels[0, 0])}
@@ -123,9 +125,11 @@ def _diagnosed(kind: str, seed: int) -> dict[str, Any]:
 
     d = tp.diagnose(campaign(DRAGS[kind], seed)).to_dict()
     return {
-        "p": d["gap"]["structure_p"], "alarm": d["verdict"] != "no_gap",
-        "causes": tuple(c["effect"] for c in d["causes"]), "noise": d["noise_floor"]["phi1"],
-    }  # fmt: skip
+        "p": d["gap"]["structure_p"],
+        "alarm": d["verdict"] != "no_gap",
+        "causes": tuple(c["effect"] for c in d["causes"]),
+        "noise": d["noise_floor"]["phi1"],
+    }
 
 
 def _campaign(kind: str, seed: int) -> Any:
@@ -154,10 +158,15 @@ def table(rows: Sequence[Row]) -> str:
         noise = [1e3 * row.noise for row in mine]
         named = share(lambda row: "bearing_drag" in row.causes) if kind in DRAGS else "–"
         return (
-            kind, str(len(mine)), share(lambda row: row.alarm), share(lambda row: row.p < 0.05),
-            share(lambda row: row.p < 0.001), named, f"{min(noise):.2f} to {max(noise):.2f} mrad",
+            kind,
+            str(len(mine)),
+            share(lambda row: row.alarm),
+            share(lambda row: row.p < 0.05),
+            share(lambda row: row.p < 0.001),
+            named,
+            f"{min(noise):.2f} to {max(noise):.2f} mrad",
             f"{sum(row.cpu_s for row in mine) / len(mine):.0f}",
-        )  # fmt: skip
+        )
 
     kinds = dict.fromkeys(row.kind for row in rows)
     return markdown.table(HEADS, [line(k, [row for row in rows if row.kind == k]) for k in kinds])

@@ -37,10 +37,13 @@ RESTART_S = 30.0
 """Time to fill a lost worker's place: a process that imports and reads compiled programs."""
 
 HEADS = (
-    "rigs", "workers", "lost in an hour", "wall time over the least",
+    "rigs",
+    "workers",
+    "lost in an hour",
+    "wall time over the least",
     "processor time over the work",
     "given up",
-)  # fmt: skip
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,12 +109,22 @@ def _parser() -> Parser:
         description="How long fleets take where rigs take unlike times and workers are lost: by "
         "chance, from measured times.",
     )
-    parser.add_argument("--ledger", metavar="FILE", default=str(LEDGER),
-                        help="of the times (default trials/nulls.jsonl)")  # fmt: skip
-    parser.add_argument("--runs", metavar="N", type=count, default=100,
-                        help="of each fleet (default 100)")  # fmt: skip
-    parser.add_argument("--page", metavar="F", nargs="?", const=str(PAGE),
-                        help="gets the table in its place (default docs/scale.md)")  # fmt: skip
+    parser.add_argument(
+        "--ledger",
+        metavar="FILE",
+        default=str(LEDGER),
+        help="of the times (default trials/nulls.jsonl)",
+    )
+    parser.add_argument(
+        "--runs", metavar="N", type=count, default=100, help="of each fleet (default 100)"
+    )
+    parser.add_argument(
+        "--page",
+        metavar="F",
+        nargs="?",
+        const=str(PAGE),
+        help="gets the table in its place (default docs/scale.md)",
+    )
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 

@@ -44,10 +44,22 @@ def recorded() -> Diagnosis:
         for omega in ("6", "10", "13.09", "17", "22", None):
             run = ["--release", "0.6"] if omega is None else ["--omega", omega]
             _shell(
-                folder.parent, "record", "--port", "emulator", "--duration", "4", "--rate", "250",
-                *run, "--campaign", folder.name, "--effect", f"contact_stribeck={HIDDEN}",
-                "--speed", "max",
-            )  # fmt: skip
+                folder.parent,
+                "record",
+                "--port",
+                "emulator",
+                "--duration",
+                "4",
+                "--rate",
+                "250",
+                *run,
+                "--campaign",
+                folder.name,
+                "--effect",
+                f"contact_stribeck={HIDDEN}",
+                "--speed",
+                "max",
+            )
         return json.loads(_shell(folder.parent, "diagnose", folder.name, "--json", "-"))
 
     return kept("recorded", find)
@@ -61,8 +73,11 @@ def recorded_folder() -> Path:
 def _shell(cwd: Path, *args: str) -> str:
     done = subprocess.run(
         [sys.executable, "-m", "tp_jax", "--quiet", *args],
-        cwd=cwd, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
-    )  # fmt: skip
+        cwd=cwd,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -105,8 +120,11 @@ def own_effect() -> Diagnosis:
         for command in (["make_campaign.py"], ["-c", _AMONG_FEW.format(few=FEW)]):
             done = subprocess.run(
                 [sys.executable, *command],
-                cwd=folder, env=environment, capture_output=True, text=True,
-            )  # fmt: skip
+                cwd=folder,
+                env=environment,
+                capture_output=True,
+                text=True,
+            )
             assert done.returncode == 0, done.stderr
             (folder / "said.txt").write_text(done.stdout, encoding="utf-8")
         return json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))

@@ -79,12 +79,29 @@ def campaign(noise, seed: int, rates: tuple[float, ...]) -> Campaign:
         name = f"run-{omega or 0.0:.0f}.csv"
         recordings.append(
             Recording(
-                name=name, label=name, file=Path(name), t=t, phi1=y[:, 0], phi2=y[:, 1],
-                drive=None, forced=omega is not None, omega=omega, span=None, start=None,
-                repeat=None, held_out=False, sha256="",
+                name=name,
+                label=name,
+                file=Path(name),
+                t=t,
+                phi1=y[:, 0],
+                phi2=y[:, 1],
+                drive=None,
+                forced=omega is not None,
+                omega=omega,
+                span=None,
+                start=None,
+                repeat=None,
+                held_out=False,
+                sha256="",
             )
-        )  # fmt: skip
+        )
     return Campaign(
-        name="noisy", model="double", B1=BENCH.B1, B2=None, k=None, sample_rate=None,
-        recordings=tuple(recordings), folder=Path(),
-    )  # fmt: skip
+        name="noisy",
+        model="double",
+        B1=BENCH.B1,
+        B2=None,
+        k=None,
+        sample_rate=None,
+        recordings=tuple(recordings),
+        folder=Path(),
+    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.reference import BENCH, reference
 from tp_jax.effects import catalogue
-from tp_jax.estimation.baseline import Setting, initial_values
+from tp_jax.estimation.baseline import PreparedCampaign, initial_values
 from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.windows import Prepared, Windows, cut
@@ -59,9 +59,12 @@ def bench_problem(horizon: float, which=None) -> Problem:
     if which is not None:
         windows = choose(windows, which)
     return Problem(
-        layout=whole_layout(), prepared=recordings, windows=windows,
-        capacity=CAPACITY, B1=BENCH["B1"],
-    )  # fmt: skip
+        layout=whole_layout(),
+        prepared=recordings,
+        windows=windows,
+        capacity=CAPACITY,
+        B1=BENCH["B1"],
+    )
 
 
 def bench_values() -> Values:
@@ -69,12 +72,18 @@ def bench_values() -> Values:
     same = {n: v for n, v in BENCH.items() if n not in ("eps", "omega")}
     n = len(OMEGAS)
     return Values.build(
-        whole_layout(), n,
-        same | dict(
-            eps1=BENCH["eps"], eps2=BENCH["eps"], omega=OMEGAS, running=1.0,
-            drift_middle=0.5 * DURATION, drift_rate=1.0 / DURATION,
+        whole_layout(),
+        n,
+        same
+        | dict(
+            eps1=BENCH["eps"],
+            eps2=BENCH["eps"],
+            omega=OMEGAS,
+            running=1.0,
+            drift_middle=0.5 * DURATION,
+            drift_rate=1.0 / DURATION,
         ),
-    )  # fmt: skip
+    )
 
 
 def lossy(recording: Recording, seed: int, *lost: tuple[float, float]) -> Recording:
@@ -89,9 +98,13 @@ def lossy(recording: Recording, seed: int, *lost: tuple[float, float]) -> Record
 
 
 def synthetic_campaign(
-    noise: float = 1e-3, duration: float = 3.0, seed: int = 0, effect: str = "",
-    hidden: dict[str, float] | None = None, **other: float,
-) -> Campaign:  # fmt: skip
+    noise: float = 1e-3,
+    duration: float = 3.0,
+    seed: int = 0,
+    effect: str = "",
+    hidden: dict[str, float] | None = None,
+    **other: float,
+) -> Campaign:
     """A decay and two forced recordings of the bench (or other numbers), with white noise.
 
     Args:
@@ -110,18 +123,35 @@ def synthetic_campaign(
         name = f"run-{omega:.0f}.csv" if driven else "decay.csv"
         recordings.append(
             Recording(
-                name=name, label=name, file=Path(name), t=ts, phi1=y[:, 0], phi2=y[:, 1],
-                drive=None, forced=driven, omega=omega, span=None, start=None, repeat=None,
-                held_out=False, sha256="",
+                name=name,
+                label=name,
+                file=Path(name),
+                t=ts,
+                phi1=y[:, 0],
+                phi2=y[:, 1],
+                drive=None,
+                forced=driven,
+                omega=omega,
+                span=None,
+                start=None,
+                repeat=None,
+                held_out=False,
+                sha256="",
             )
-        )  # fmt: skip
+        )
     return Campaign(
-        name="synthetic", model="double", B1=BENCH["B1"], B2=None, k=None, sample_rate=RATE,
-        recordings=tuple(recordings), folder=Path(),
-    )  # fmt: skip
+        name="synthetic",
+        model="double",
+        B1=BENCH["B1"],
+        B2=None,
+        k=None,
+        sample_rate=RATE,
+        recordings=tuple(recordings),
+        folder=Path(),
+    )
 
 
-def synthetic_values(setting: Setting) -> Values:
+def synthetic_values(setting: PreparedCampaign) -> Values:
     """What made the synthetic campaign."""
     same = {n: v for n, v in BENCH.items() if n not in ("omega", "eps")}
     more = dict(eps1=BENCH["eps"], eps2=BENCH["eps"], phase=0.0, zero1=0.0)

@@ -36,9 +36,14 @@ class Rig:
                 variants.append(ScoredVariant(id, "spring", (), amplitudes, i, dispersion))
         V = X.T @ X
         return RigScores(
-            name, tuple(variants), -X.T @ self.y, V, V, np.tile(self.limits, (6, 1)),
+            name,
+            tuple(variants),
+            -X.T @ self.y,
+            V,
+            V,
+            np.tile(self.limits, (6, 1)),
             tuple((id, ()) for id in own),
-        )  # fmt: skip
+        )
 
 
 def fleet(seed, n=8, shared=(0.0,) * 6, **how):

@@ -83,9 +83,15 @@ def test_the_scipy_scripts_derivatives():
     row = dict(zip(NAMES, bench(), strict=True))
     ts = times(0.4)
     runs = scipy_script.Runs(
-        ts, np.zeros((2, ts.size, 2)), np.array([[0.5, 0.1, 0.0, 0.0], np.zeros(4)]),
-        np.array([0.0, row["omega"]]), row["B1"], 1e-3, 1e3, 1e-10,
-    )  # fmt: skip
+        ts,
+        np.zeros((2, ts.size, 2)),
+        np.array([[0.5, 0.1, 0.0, 0.0], np.zeros(4)]),
+        np.array([0.0, row["omega"]]),
+        row["B1"],
+        1e-3,
+        1e3,
+        1e-10,
+    )
     x = np.log([row[name] for name in SEARCHED])
     found = scipy_script.jacobian(x, runs)
     for i, change in enumerate(1e-4 * np.eye(len(x))):
@@ -159,9 +165,11 @@ def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
     assert warm["gigabytes"] < 0.09
     assert 0.0 < warm["seconds"]["median"] < 10.0
     assert [(row.case, row.bar, row.reached) for row in rows] == [
-        ("cold cache", "90 s", True), ("cold cache", "2 GB", True),
-        ("warm cache", "20 s", True), ("warm cache", "2 GB", True),
-    ]  # fmt: skip
+        ("cold cache", "90 s", True),
+        ("cold cache", "2 GB", True),
+        ("warm cache", "20 s", True),
+        ("warm cache", "2 GB", True),
+    ]
 
     monkeypatch.setattr(diagnosis, "_command", lambda *_: [sys.executable, "-c", "print(1 / 0)"])
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
@@ -175,10 +183,14 @@ def test_two_checkouts_are_compared_stage_by_stage(monkeypatch):
 
     def printed(factor, shrink):
         stages = ["loading", "fitting windows of 0.2 s", "fitting windows of 0.5 s", "screening x"]
-        return checkouts.read({
-            "stages": [[stage, factor] for stage in stages], "verdict": "explained",
-            "causes": ["column_tilt"], "shrink": shrink,
-        })  # fmt: skip
+        return checkouts.read(
+            {
+                "stages": [[stage, factor] for stage in stages],
+                "verdict": "explained",
+                "causes": ["column_tilt"],
+                "shrink": shrink,
+            }
+        )
 
     def compared(ref, rounds, tell):
         assert (ref, rounds) == ("HEAD~1", 2)
@@ -207,9 +219,11 @@ def test_the_other_checkout_must_be_known(tmp_path):
 def timed(name, median, error, ours_over):
     """A result as the measures have it."""
     return {
-        "peer": name, "error": error, "seconds": {"median": median},
+        "peer": name,
+        "error": error,
+        "seconds": {"median": median},
         "ours_over_peer": {"median": ours_over},
-    }  # fmt: skip
+    }
 
 
 def test_the_faster_method_of_those_that_got_there_is_held_against():
@@ -238,11 +252,11 @@ def test_ours_chooses_from_looser_tolerances_too():
 
     ours, other = (Peer(name, None, None) for name in ("ours", "other"))
     bench = Bench(problem.Scale(), [ours, other], print)
-    assert bench.ladder(other) == bench.scale.tolerances
-    ladder = bench.ladder(ours)
-    assert ladder[0] == pytest.approx(LOOSEST)
-    assert ladder[-len(bench.scale.tolerances) :] == bench.scale.tolerances
-    np.testing.assert_allclose(np.diff(np.log10(ladder)), -0.5)
+    assert bench.schedule(other) == bench.scale.tolerances
+    schedule = bench.schedule(ours)
+    assert schedule[0] == pytest.approx(LOOSEST)
+    assert schedule[-len(bench.scale.tolerances) :] == bench.scale.tolerances
+    np.testing.assert_allclose(np.diff(np.log10(schedule)), -0.5)
 
 
 def test_more_rounds_while_there_is_time():

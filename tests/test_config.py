@@ -105,9 +105,13 @@ def test_programs_are_not_kept_where_no_folder_can_be(caches):
 def said(code, **variables):
     """What a fresh interpreter says, with these variables alone."""
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True,
-        cwd=Path(__file__).parent.parent, env={"PATH": os.environ["PATH"], **variables},
-    )  # fmt: skip
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=Path(__file__).parent.parent,
+        env={"PATH": os.environ["PATH"], **variables},
+    )
     return done.stdout.split()
 
 

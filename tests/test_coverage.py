@@ -8,9 +8,13 @@ import pytest
 def row(truth, low, high, **more):
     held = (low is None or low <= truth) and (high is None or truth <= high)
     return {
-        "truth": truth, "value": truth, "ci95": [low, high], "covered": held,
-        "open": None in (low, high), **more,
-    }  # fmt: skip
+        "truth": truth,
+        "value": truth,
+        "ci95": [low, high],
+        "covered": held,
+        "open": None in (low, high),
+        **more,
+    }
 
 
 def test_shares():

@@ -9,9 +9,18 @@ from scripts import _deleted as study
 from tp_jax.effects import catalogue, laws
 
 ROW = study.Row(
-    1, "0.1.0", "bearing_position", 12.0, "explained", ("bearing_dry.phi1",), 0.99, 0.97, 0.98,
-    False, 300.0,
-)  # fmt: skip
+    1,
+    "0.1.0",
+    "bearing_position",
+    12.0,
+    "explained",
+    ("bearing_dry.phi1",),
+    0.99,
+    0.97,
+    0.98,
+    False,
+    300.0,
+)
 
 
 def test_every_effect_has_a_law_that_acts_where_it_does():

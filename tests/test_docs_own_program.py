@@ -23,9 +23,13 @@ def test_a_program_runs(program, tmp_path):
     file = tmp_path / "program.py"  # workers of `spawn` import it anew
     file.write_text(program, encoding="utf-8")
     done = subprocess.run(
-        [sys.executable, str(file)], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True, text=True, timeout=600,
-    )  # fmt: skip
+        [sys.executable, str(file)],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
     assert done.returncode == 0, done.stderr
 
 

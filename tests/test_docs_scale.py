@@ -26,9 +26,13 @@ def test_its_program_runs_and_keeps_its_pieces(tmp_path):
     file = tmp_path / "program.py"
     file.write_text(program, encoding="utf-8")
     done = subprocess.run(
-        [sys.executable, str(file)], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True, text=True, timeout=600,
-    )  # fmt: skip
+        [sys.executable, str(file)],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
     assert done.returncode == 0, done.stderr
     kept = sorted((tmp_path / "study" / "pieces").glob("*.json"))
     peaks = {f.stem: json.loads(f.read_text())["result"]["peak"] for f in kept}

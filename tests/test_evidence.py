@@ -38,20 +38,38 @@ def screen(seed=0, hidden=None, size=0.0, *, limits=(-np.inf, np.inf), draws=400
         return float((score**2 / np.diag(V))[first : first + count].sum())
 
     facts = {
-        "rigs": "clean", "kind": "one" if hidden else "none", "cousins": {},
+        "rigs": "clean",
+        "kind": "one" if hidden else "none",
+        "cousins": {},
         "hidden": {hidden: {"location": hidden, "channel": "column", "multiple": 2.5}}
-        if hidden else {},
-        "cost": 1000.0, "dof": 1000, "coloured": False, "rounded": False, "floor_error": 0.03,
-        "structure_p": 0.5, "free_p": 0.5, "excess": 0.0, "combined_p": 0.9,
-    }  # fmt: skip
+        if hidden
+        else {},
+        "cost": 1000.0,
+        "dof": 1000,
+        "coloured": False,
+        "rounded": False,
+        "floor_error": 0.03,
+        "structure_p": 0.5,
+        "free_p": 0.5,
+        "excess": 0.0,
+        "combined_p": 0.9,
+    }
     value = np.full(FREE, 1.0)
     return Saved(
-        facts, tuple(Variant(n, n, {}, first, q, drop(first, q)) for n, first, q in variants),
-        score, V, np.full(4, 0.5), np.array([limits] + [(-np.inf, np.inf)] * 3), blocks,
+        facts,
+        tuple(Variant(n, n, {}, first, q, drop(first, q)) for n, first, q in variants),
+        score,
+        V,
+        np.full(4, 0.5),
+        np.array([limits] + [(-np.inf, np.inf)] * 3),
+        blocks,
         np.repeat((V / BLOCKS)[None], BLOCKS, axis=0),
-        np.sqrt(V) @ rng.standard_normal((4, draws)), ("sensor1",), np.array([FREE]), value,
+        np.sqrt(V) @ rng.standard_normal((4, draws)),
+        ("sensor1",),
+        np.array([FREE]),
+        value,
         rng.standard_normal(FREE),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("limits", [(-np.inf, np.inf), (0.0, np.inf), (-0.2, 0.3)])
@@ -110,8 +128,10 @@ def test_evidence_is_tempered_by_the_misfit_of_the_best():
     wrong = dataclasses.replace(saved, facts=saved.facts | {"cost": 4000.0})
     assert misfit(saved) == 1.0
     assert misfit(wrong) == pytest.approx(4.0, abs=0.1)
-    at = [of_catalogue(x, x.score[:, None], Prior("any", told=True))["drag"][0] for x in
-          (saved, wrong)]  # fmt: skip
+    at = [
+        of_catalogue(x, x.score[:, None], Prior("any", told=True))["drag"][0]
+        for x in (saved, wrong)
+    ]
     assert 3.0 < at[0] / at[1] < 6.0
 
 
@@ -153,10 +173,14 @@ def test_counts():
         known = None if kind == "none" else ways
         return Answer("clean", kind, multiple, p, known, known, known, dict.fromkeys(ways, other))
 
-    told = tables([
-        rig("none", None, False, False), rig("one", 1.5, True, False), rig("one", 4.0, False, True),
-        rig("one", 2.5, False, True),
-    ])  # fmt: skip
+    told = tables(
+        [
+            rig("none", None, False, False),
+            rig("one", 1.5, True, False),
+            rig("one", 4.0, False, True),
+            rig("one", 2.5, False, True),
+        ]
+    )
     cells = [line.strip("| ").split(" | ") for line in told.splitlines() if line.startswith("| t")]
     today, first = cells[0], cells[1]
     assert today[1].startswith("0.33")
@@ -167,8 +191,9 @@ def test_counts():
     assert asked[1].startswith("0.00")
     assert asked[-1] == "1.00"
     assert told.splitlines()[-1].split(" | ")[1:] == [
-        "0.00 (0.00–0.79), n 1", "0.67 (0.21–0.94), n 3 |",
-    ]  # fmt: skip
+        "0.00 (0.00–0.79), n 1",
+        "0.67 (0.21–0.94), n 3 |",
+    ]
 
 
 def test_screens_that_are_there_are_not_made_again(tmp_path, monkeypatch):
@@ -178,8 +203,12 @@ def test_screens_that_are_there_are_not_made_again(tmp_path, monkeypatch):
     monkeypatch.setattr(saving.os, "nice", lambda _: 0)
     assert main(["save", "--to", str(tmp_path), "--clean", "4", "--rough", "2"]) == 0
     assert [(number, rigs) for _, number, rigs in (piece.arguments for piece in asked)] == [
-        (2, "clean"), (1, "rough"), (3, "clean"), (4, "clean"), (2, "rough"),
-    ]  # fmt: skip
+        (2, "clean"),
+        (1, "rough"),
+        (3, "clean"),
+        (4, "clean"),
+        (2, "rough"),
+    ]
 
 
 @pytest.mark.parametrize("rigs", saving.PARTS)

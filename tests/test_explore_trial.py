@@ -15,9 +15,13 @@ ROW = Row(1, STAND_IN, "v", "a", 1.5, (None, "b", "a"), ("a", None, "a", "a"), "
 @pytest.mark.parametrize(
     ("firsts", "runs"),
     [
-        ((), None), (("a",), 1), (("b", "a"), 2), (("a", None), None), (("a", "b", "a", "a"), 3),
+        ((), None),
+        (("a",), 1),
+        (("b", "a"), 2),
+        (("a", None), None),
+        (("a", "b", "a", "a"), 3),
     ],
-)  # fmt: skip
+)
 def test_runs_until_the_cause_is_named_for_good(firsts, runs):
     assert needed(firsts, "a") == runs
 

@@ -55,8 +55,15 @@ def test_alarms_are_counted_by_kind():
     rows.append(nulls.Row("decay-drag", 1, "1", 1e-5, True, ("bearing_drag",), 2e-3, 60.0))
     slow, drag = nulls.table(rows).splitlines()[-2:]
     assert [cell.strip() for cell in slow.strip("|").split("|")] == [
-        "slow", "3", "2 of 3", "2 of 3", "1 of 3", "–", "1.00 to 1.00 mrad", "20",
-    ]  # fmt: skip
+        "slow",
+        "3",
+        "2 of 3",
+        "2 of 3",
+        "1 of 3",
+        "–",
+        "1.00 to 1.00 mrad",
+        "20",
+    ]
     assert "1 of 1" in drag
 
 

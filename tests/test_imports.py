@@ -87,10 +87,27 @@ FORBIDDEN = {
 # answer at once and load what a command needs when it runs.
 #: Not there on every machine: extras of the package, and what some systems lack.
 OPTIONAL = {
-    "openpyxl", "h5py", "pyarrow", "nptdms", "mcap", "mcap_ros2", "pandas",
-    "zstandard", "compression", "tty", "serial.tools.list_ports", "starlette", "uvicorn",
-    "arviz", "arviz_base", "tp_jax.serve.server", "ray", "dask", "distributed", "submitit",
-}  # fmt: skip
+    "openpyxl",
+    "h5py",
+    "pyarrow",
+    "nptdms",
+    "mcap",
+    "mcap_ros2",
+    "pandas",
+    "zstandard",
+    "compression",
+    "tty",
+    "serial.tools.list_ports",
+    "starlette",
+    "uvicorn",
+    "arviz",
+    "arviz_base",
+    "tp_jax.serve.server",
+    "ray",
+    "dask",
+    "distributed",
+    "submitit",
+}
 #: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
 WITH_JAX = {
     "jax",

@@ -12,8 +12,11 @@ def test_a_table(monkeypatch, capsys):
         objective, seconds = ends[method]
         start = {"converged": method == "bfgs", "evaluations": 7}
         return {
-            "campaign": "rig", "objective": objective, "chi2_dof": 1.0, "starts": [start]
-        }, seconds  # fmt: skip
+            "campaign": "rig",
+            "objective": objective,
+            "chi2_dof": 1.0,
+            "starts": [start],
+        }, seconds
 
     monkeypatch.setattr(_methods, "_identified", identified)
     assert _methods.main(["rig", "--methods", *ends]) == 0

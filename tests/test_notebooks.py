@@ -27,19 +27,24 @@ _PRIVATE = re.compile(r"/(home|root|tmp|work|Users)/|0x[0-9a-f]{8,}|\x1b\[")
 # A notebook shows what takes a minute or three; that each of its lines runs is seen with less.
 SMALLER = {
     "do_gradients_help": {
-        "STARTS = 64": "STARTS = 2", "np.arange(1201)": "np.arange(301)",
-        "iterations=400": "iterations=5", "max_steps=60": "max_steps=3",
-        "COMPILING = 2": "COMPILING = 1", "repeats=20": "repeats=2",
+        "STARTS = 64": "STARTS = 2",
+        "np.arange(1201)": "np.arange(301)",
+        "iterations=400": "iterations=5",
+        "max_steps=60": "max_steps=3",
+        "COMPILING = 2": "COMPILING = 1",
+        "repeats=20": "repeats=2",
         "np.linspace(-0.1, 1.0, 45)": "np.linspace(-0.1, 1.0, 5)",
     },
     "from_how_far_away": {
-        "runs=4, duration=6.0": "runs=2, duration=2.0", "starts=17": "starts=3",
+        "runs=4, duration=6.0": "runs=2, duration=2.0",
+        "starts=17": "starts=3",
         "np.arange(1, 17)": "np.arange(1, 3)",
     },
     "what_can_these_recordings_tell": {
-        "runs=4, duration=6.0": "runs=3, duration=2.0", 'profile=("Ts1", "T0")': 'profile=("k",)',
+        "runs=4, duration=6.0": "runs=3, duration=2.0",
+        'profile=("Ts1", "T0")': 'profile=("k",)',
     },
-}  # fmt: skip
+}
 
 
 def diagnosed(name: str, request: pytest.FixtureRequest) -> dict | None:

@@ -59,9 +59,15 @@ def study(tmp_path, monkeypatch):
     screens = tmp_path / "screens"
     screens.mkdir()
     row = {
-        "version": "1", "effect": FLEETS[0], "sizes": [0.1], "structure_p": 0.4, "first": "b",
-        "tied": [], "chi2_dof": 1.0, "cpu_s": 20.0,
-    }  # fmt: skip
+        "version": "1",
+        "effect": FLEETS[0],
+        "sizes": [0.1],
+        "structure_p": 0.4,
+        "first": "b",
+        "tied": [],
+        "chi2_dof": 1.0,
+        "cpu_s": 20.0,
+    }
     lines = []
     for i, scores in enumerate(scores_of(fleet(1, n=RIGS, shared=(0, 0.4, 0, 0, 0, 0)))):
         write(file_of(screens, 1, i + 1), dataclasses.replace(scores, rig=f"rig-{i + 1}"))

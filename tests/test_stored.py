@@ -56,10 +56,12 @@ def test_is_traced_once_for_all_processes(folder):
 def test_another_for_other_static_arguments_shapes_and_trees(folder):
     f = Traced()
     calls = [
-        (2.0, Pair(jnp.ones(3), None)), (3.0, Pair(jnp.ones(3), None)),
-        (2.0, Pair(jnp.ones(4), None)), (2.0, Pair(jnp.ones(3), jnp.ones(1))),
+        (2.0, Pair(jnp.ones(3), None)),
+        (3.0, Pair(jnp.ones(3), None)),
+        (2.0, Pair(jnp.ones(4), None)),
+        (2.0, Pair(jnp.ones(3), jnp.ones(1))),
         (2.0, Pair(jnp.ones(3, dtype=int), None)),
-    ]  # fmt: skip
+    ]
     for _ in range(2):
         process = f.process()
         for factor, pair in calls:

@@ -49,9 +49,7 @@ def test_losses_cost_what_they_should():
 def test_the_table_goes_into_the_page(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(_stragglers, "FLEETS", ((4, 2),))
     ledger, page = tmp_path / "ledger.jsonl", tmp_path / "page.md"
-    ledger.write_text("\n".join(
-        json.dumps({"kind": "rough", "cpu_s": x}) for x in (5.0, 9.0)
-    ))  # fmt: skip
+    ledger.write_text("\n".join(json.dumps({"kind": "rough", "cpu_s": x}) for x in (5.0, 9.0)))
     page.write_text("A\n<!-- stragglers: begin -->\n<!-- stragglers: end -->\n")
     words = ["--ledger", str(ledger), "--page", str(page), "--runs", "3"]
     assert main(words) == 0

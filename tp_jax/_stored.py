@@ -112,11 +112,19 @@ class Stored:
         if folder is None or described is None:
             return None
         about = (
-            self.function.__qualname__, described, shapes, source_digest(), jax.__version__,
-            jaxlib.version.__version__, jax.default_backend(), os.environ.get("XLA_FLAGS", ""),
+            self.function.__qualname__,
+            described,
+            shapes,
+            source_digest(),
+            jax.__version__,
+            jaxlib.version.__version__,
+            jax.default_backend(),
+            os.environ.get("XLA_FLAGS", ""),
             loops_left_alone(),
-            platform.python_version(), _processor.name(), jax.config.read("jax_enable_x64"),
-        )  # fmt: skip
+            platform.python_version(),
+            _processor.name(),
+            jax.config.read("jax_enable_x64"),
+        )
         digest = hashlib.sha256(repr(about).encode()).hexdigest()
         return folder / f"{self.function.__name__}-{digest}"
 

@@ -79,17 +79,20 @@ def _attempt(
     parameters, seed, plan = draw_rig(rng, settings.runs, settings.duration)
     with_B2 = bool(rng.random() < 0.5)
     free = tuple(name for name in FREE if not (with_B2 and name == "B2"))
-    bench = Bench(
-        parameters, plan, settings.duration, settings.rate, settings.noise, free, seed
-    )  # fmt: skip
+    bench = Bench(parameters, plan, settings.duration, settings.rate, settings.noise, free, seed)
     hidden, shapes, passed_over = hide(case, bench, lambda id: applies(id, with_B2), rng)
     if len(hidden) < case.wanted:
         return None
     effects = {id: each["sizes"] for id, each in hidden.items()}
     common: dict[str, Any] = dict(
-        effects=effects, shapes=shapes, rate=settings.rate, duration=settings.duration,
-        noise=settings.noise, bits=settings.bits, with_B2=with_B2,
-    )  # fmt: skip
+        effects=effects,
+        shapes=shapes,
+        rate=settings.rate,
+        duration=settings.duration,
+        noise=settings.noise,
+        bits=settings.bits,
+        with_B2=with_B2,
+    )
     sealed_seed = _sealed_seed(parameters, settings, rng)
     folders = root / case.name, root / "sealed" / case.name
     made = [

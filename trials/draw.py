@@ -17,12 +17,20 @@ ATTEMPTS = 200
 PLAUSIBLE = 1.5
 #: Sizes that mean all of something, so that there can be no more of it.
 MOST = {
-    "bearing_asymmetry": 0.95, "bearing_load": 0.9, "bearing_position": 0.95,
-    "bearing_presliding": 1.0, "bearing_warmup": 1.8, "contact_asymmetry": 0.95,
-    "contact_position": 0.95, "contact_presliding": 1.0, "contact_vibration": 0.95,
-    "contact_wear": 1.8, "drive_steps": 1.0, "sensor1_nonlinearity": 1.0,
+    "bearing_asymmetry": 0.95,
+    "bearing_load": 0.9,
+    "bearing_position": 0.95,
+    "bearing_presliding": 1.0,
+    "bearing_warmup": 1.8,
+    "contact_asymmetry": 0.95,
+    "contact_position": 0.95,
+    "contact_presliding": 1.0,
+    "contact_vibration": 0.95,
+    "contact_wear": 1.8,
+    "drive_steps": 1.0,
+    "sensor1_nonlinearity": 1.0,
     "sensor2_nonlinearity": 1.0,
-}  # fmt: skip
+}
 
 
 def draw_rig(

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tp_jax.effects import catalogue, get, laws
-from tp_jax.estimation.baseline import Setting, prepare_campaign
+from tp_jax.estimation.baseline import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.held_out import HeldOut, evaluate
@@ -118,7 +118,7 @@ def _by_window(held: HeldOut) -> tuple[np.ndarray, np.ndarray]:
     return np.where(lost, np.nan, part / share), share
 
 
-def _free_squares(setting: Setting, values: Values, horizon: float) -> np.ndarray:
+def _free_squares(setting: PreparedCampaign, values: Values, horizon: float) -> np.ndarray:
     """Mean squares (r,) over the channels of the sealed runs [rad^2]; NaN: not integrated."""
     which = list(setting.held_out)
     states = np.array([start_state(setting, values, i, horizon) for i in which])

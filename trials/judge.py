@@ -35,12 +35,22 @@ def judge(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
         "multiples": {id: {"value": v, "scale": scale} for id, (v, scale) in multiples.items()},
         "verdict": diagnosis["verdict"],
         "causes": causes,
-        "top1": None, "top1_alone": None, "top3": None, "location": None, "channel": None,
-        "false_alarm": None, "unknown": None, "both_named": None, "one_named": None,
-        "explained": None, "undetectable": None, "cousin": None, "cousin_location": None,
+        "top1": None,
+        "top1_alone": None,
+        "top3": None,
+        "location": None,
+        "channel": None,
+        "false_alarm": None,
+        "unknown": None,
+        "both_named": None,
+        "one_named": None,
+        "explained": None,
+        "undetectable": None,
+        "cousin": None,
+        "cousin_location": None,
         "first": None,
         "coverage": truth.covered(entry, diagnosis) if entry["kind"] in ("one", "none") else None,
-    }  # fmt: skip
+    }
     row["first"] = first_cause(entry, diagnosis)
     if entry["kind"] == "none":
         row["false_alarm"] = diagnosis["verdict"] != "no_gap" or bool(causes)

@@ -75,9 +75,12 @@ def make(
             if progress is not None:
                 progress("making cases", len(made) / len(plan))
         key = {
-            "version": __version__, "seed": seed, **kind, "settings": dataclasses.asdict(settings),
+            "version": __version__,
+            "seed": seed,
+            **kind,
+            "settings": dataclasses.asdict(settings),
             "cases": [made[case.name] for case in plan],
-        }  # fmt: skip
+        }
         digest = seal(part, key)
     # what it grew from goes last, so that nothing is lost where this is cut off
     for case in plan:  # each is in the key now

@@ -41,9 +41,15 @@ def reliability(answers: Sequence[tuple[float, bool]]) -> list[dict[str, Any]]:
         found = share([yes for _, yes in mine])
         stated = float(np.mean([p for p, _ in mine])) if mine else None
         rows.append(
-            {"from": low, "to": high, "n": found["n"], "stated": stated, "right": found["value"],
-             "ci95": found["ci95"]}
-        )  # fmt: skip
+            {
+                "from": low,
+                "to": high,
+                "n": found["n"],
+                "stated": stated,
+                "right": found["value"],
+                "ci95": found["ci95"],
+            }
+        )
     return rows
 
 
@@ -57,8 +63,12 @@ def mean(values: Sequence[float], seed: int = 0) -> dict[str, Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # all values the same
             found = stats.bootstrap(
-                (x,), np.mean, confidence_level=CONFIDENCE, n_resamples=DRAWS,
-                method="percentile", rng=np.random.default_rng(seed),
-            ).confidence_interval  # fmt: skip
+                (x,),
+                np.mean,
+                confidence_level=CONFIDENCE,
+                n_resamples=DRAWS,
+                method="percentile",
+                rng=np.random.default_rng(seed),
+            ).confidence_interval
         ci95 = [float(found.low), float(found.high)]
     return {"value": float(x.mean()), "n": int(x.size), "ci95": ci95}

@@ -70,9 +70,11 @@ def plan_cases(
     if rough:
         outside = [id for id in outside if id not in cousins]
     turns = {
-        "one": _turns(inside, rng), "two": _turns(inside, rng), "outside": _turns(outside, rng),
+        "one": _turns(inside, rng),
+        "two": _turns(inside, rng),
+        "outside": _turns(outside, rng),
         "cousin": _turns(cousins, rng),
-    }  # fmt: skip
+    }
     width = max(3, len(str(cases)))
     plan = []
     for i, kind in enumerate(kinds):

@@ -48,10 +48,12 @@ def record_campaign(
         ts = np.arange(round(run["duration"] * recorder.rate) + 1) / recorder.rate
         ideal, arm = follow(rig, run, ts, own, metered=recorder.drive is not None)
         write_csv(
-            folder / file, ts, recorder.sensor1.read(ideal[:, 0], rng),
+            folder / file,
+            ts,
+            recorder.sensor1.read(ideal[:, 0], rng),
             recorder.sensor2.read(ideal[:, 1], rng) if parameters.has_rider else None,
             None if recorder.drive is None else recorder.drive.read(arm, rng),
-        )  # fmt: skip
+        )
     toml = _toml(folder.resolve().name, parameters, recorder, files, plan)
     (folder / "campaign.toml").write_text(toml, encoding="utf-8")
     return {
@@ -70,9 +72,11 @@ def begin(rig: VirtualRig, run: Run, run_values: Mapping[str, Sequence[float]] |
     """Starts one run of a plan."""
     rig.amplitude = rig.parameters.A * run.get("swing", 1.0)
     rig.start(
-        omega=run.get("omega"), release=run.get("release"), duration=run["duration"],
+        omega=run.get("omega"),
+        release=run.get("release"),
+        duration=run["duration"],
         run_values=run_values,
-    )  # fmt: skip
+    )
 
 
 def follow(

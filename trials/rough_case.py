@@ -115,12 +115,18 @@ def bench_of(
         taken.append(min((r for r in plan if "omega" in r), key=lambda r: r["duration"]))
     absent = (() if p.has_rider else RIDER) + (("B2",) if recorder.with_B2 else ())
     return Bench(
-        p, taken, rate=recorder.rate, noise=one, seed=seed,
+        p,
+        taken,
+        rate=recorder.rate,
+        noise=one,
+        seed=seed,
         free=tuple(name for name in FREE if name not in absent),
-        window=settings.periods * 2.0 * math.pi / center(p), per_run=settings.per_run,
-        weights=(1.0, two / one), cousins_by_kind=True,
+        window=settings.periods * 2.0 * math.pi / center(p),
+        per_run=settings.per_run,
+        weights=(1.0, two / one),
+        cousins_by_kind=True,
         part=sum(r["duration"] for r in taken) / sum(r["duration"] for r in plan),
-    )  # fmt: skip
+    )
 
 
 def tellable(id: str, recorder: Recorder, driven: bool, rider: bool) -> bool:

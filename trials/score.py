@@ -18,10 +18,24 @@ BANDS = ((0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 5.0), (5.0, 10.0), (10.0, np.
 ENOUGH = 3.0  # times the minimum detectable size: from here on most should be right
 NEAR = 0.1  # a shrink so near the best possible is right
 QUESTIONS = (
-    "top1", "top3", "location", "false_alarm", "unknown", "both_named",
-    "top1_alone", "channel", "channel_outside", "one_named", "explained", "undetectable",
-    "cousin", "cousin_location", "harm_windowed", "harm_free_run", "harm",
-)  # fmt: skip
+    "top1",
+    "top3",
+    "location",
+    "false_alarm",
+    "unknown",
+    "both_named",
+    "top1_alone",
+    "channel",
+    "channel_outside",
+    "one_named",
+    "explained",
+    "undetectable",
+    "cousin",
+    "cousin_location",
+    "harm_windowed",
+    "harm_free_run",
+    "harm",
+)
 FOUND = ("top1", "unknown", "cousin")  # what is right of one hidden effect
 
 Progress = Callable[[str, float | None], None]
@@ -83,8 +97,10 @@ def _harm(found: Mapping[str, Any]) -> dict[str, bool | None]:
     both = [found.get("windowed"), found.get("free_run")]
     known = [x for x in both if x is not None]
     return {
-        "harm_windowed": both[0], "harm_free_run": both[1], "harm": any(known) if known else None,
-    }  # fmt: skip
+        "harm_windowed": both[0],
+        "harm_free_run": both[1],
+        "harm": any(known) if known else None,
+    }
 
 
 def pool(scores: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -164,9 +180,10 @@ def measures(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     errors = [
         abs(_clipped(row["shrink"]["best"]) - _clipped(row["shrink"]["shrink"]))
         for row in rows
-        if row.get("shrink") and row["shrink"]["shrink"] is not None
+        if row.get("shrink")
+        and row["shrink"]["shrink"] is not None
         and row["shrink"]["best"] is not None
-    ]  # fmt: skip
+    ]
     out["shrink_error"] = mean(errors)
     out["shrink_near"] = share([error <= NEAR for error in errors])
     for what in ("amplitudes", "parameters"):

@@ -46,9 +46,11 @@ def sealed_with(root: Path, version: str, wanted: Mapping[str, Any]) -> str | No
         committed = (root / COMMITMENT).read_text(encoding="ascii").split()[0]
         key = json.loads(text)
         made = {
-            "cases": len(key["cases"]), "seed": key["seed"],
-            **({"rigs": key["rigs"]} if "rigs" in key else {}), **key["settings"],
-        }  # fmt: skip
+            "cases": len(key["cases"]),
+            "seed": key["seed"],
+            **({"rigs": key["rigs"]} if "rigs" in key else {}),
+            **key["settings"],
+        }
     except (OSError, ValueError, IndexError, KeyError, TypeError):
         return None
     same = json.dumps(made) == json.dumps(wanted) and key.get("version") == version

@@ -11,11 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from tp_jax.effects import get
-from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import (
+    PreparedCampaign,
+    fit_over_schedule,
+    initial_values,
+    prepare_campaign,
+)
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.directions import variants
 from tp_jax.gap.held_out import evaluate, shrink
-from tp_jax.gap.refit import refit, sharper
+from tp_jax.gap.refit import refit, refit_with_sharp_friction
 from tp_jax.recordings import Campaign, load_campaign
 from trials import truth
 from trials.kept import kept
@@ -73,7 +78,7 @@ def together(root: Path, case: str, held_out: list[str]) -> Campaign:
     return dataclasses.replace(given, recordings=(*fitted, *sealed))
 
 
-def numbers(setting: Setting, record: Mapping[str, Any]) -> Values:
+def numbers(setting: PreparedCampaign, record: Mapping[str, Any]) -> Values:
     """The numbers of a fit in diagnosis.json, for the recordings of a setting."""
     labels = [r.label for r in setting.recordings]
     index = setting.layout.index
@@ -95,7 +100,7 @@ def _by_recording(values: Mapping[str, float], labels: list[str]) -> list[float]
     return [float(values.get(label, 0.0)) for label in labels]
 
 
-def true_model(setting: Setting, entry: Mapping[str, Any], horizon: float):
+def true_model(setting: PreparedCampaign, entry: Mapping[str, Any], horizon: float):
     """Windowed errors on the sealed runs of the true model, refitted; None without such a model."""
     given = entry["given"]
     known = {e.id: e for e in setting.layout.effects}
@@ -113,8 +118,12 @@ def true_model(setting: Setting, entry: Mapping[str, Any], horizon: float):
         variant = dataclasses.replace(variant, shapes=shapes)
         values = values.replace(variant.settings | _amplitudes(setting, entry, id))
         found.append(variant)
-    begun = grow(setting, values, setting.unknowns(), horizons=(horizon,), max_iterations=3)
-    done = sharper(setting, refit(setting, begun, found, max_iterations=ITERATIONS))
+    begun = fit_over_schedule(
+        setting, values, setting.unknowns(), horizons=(horizon,), max_iterations=3
+    )
+    done = refit_with_sharp_friction(
+        setting, refit(setting, begun, found, max_iterations=ITERATIONS)
+    )
     return evaluate(setting, done.fit.values, horizon, [v.effect for v in found])
 
 
@@ -129,7 +138,7 @@ def nuisances(entry: Mapping[str, Any]) -> dict[str, float]:
     return out
 
 
-def _amplitudes(setting: Setting, entry: Mapping[str, Any], id: str) -> dict[str, Any]:
+def _amplitudes(setting: PreparedCampaign, entry: Mapping[str, Any], id: str) -> dict[str, Any]:
     """True amplitudes by slot; one for each recording where runs differ."""
     given, known = entry["given"], truth.sizes(entry, id)
     names = list(known)

@@ -8,25 +8,38 @@ if TYPE_CHECKING:
     from rich.console import Group
 
 WORDS = {
-    "top1": "cause, first named", "top1_alone": "  ties not counted as one",
-    "top3": "cause, among the first three", "location": "location",
-    "false_alarm": "false alarms, nothing hidden", "unknown": "unknown, outside the catalogue",
+    "top1": "cause, first named",
+    "top1_alone": "  ties not counted as one",
+    "top3": "cause, among the first three",
+    "location": "location",
+    "false_alarm": "false alarms, nothing hidden",
+    "unknown": "unknown, outside the catalogue",
     "channel_outside": "right channel, outside the catalogue",
-    "both_named": "both named, two hidden", "one_named": "one at least named, two hidden",
+    "both_named": "both named, two hidden",
+    "one_named": "one at least named, two hidden",
     "explained": "verdict explained, one or two hidden",
     "undetectable": "no size detectable, says the diagnosis",
-    "shrink_error": "shrink, mean distance from the best", "shrink_near": "shrink within 0.1 of it",
+    "shrink_error": "shrink, mean distance from the best",
+    "shrink_near": "shrink within 0.1 of it",
     "coverage_amplitudes": "95 % intervals of sizes that hold",
     "coverage_parameters": "95 % intervals of parameters that hold",
-    "cousin": "cousin, its kind named first", "cousin_location": "location, cousin",
-    "harm_windowed": "causes that harm, windowed", "harm_free_run": "causes that harm, free run",
-}  # fmt: skip
+    "cousin": "cousin, its kind named first",
+    "cousin_location": "location, cousin",
+    "harm_windowed": "causes that harm, windowed",
+    "harm_free_run": "causes that harm, free run",
+}
 #: Asked of some trials only: rows of others do not mention them.
 SOMETIMES = ("cousin", "cousin_location", "harm_windowed", "harm_free_run")
 BY_SIZE = (
-    "top1", "top3", "location", "unknown", "channel_outside", "both_named", "shrink_error",
+    "top1",
+    "top3",
+    "location",
+    "unknown",
+    "channel_outside",
+    "both_named",
+    "shrink_error",
     "cousin",
-)  # fmt: skip
+)
 ALL_SIZES = ("false_alarm", "undetectable")
 MISSING = "–"
 

@@ -27,14 +27,26 @@ def _parser() -> Parser:
         description="Broken and hostile input at every door: what was tried, refused, done; faults "
         "of ours. Without arguments ten minutes or so.",
     )
-    parser.add_argument("--inputs", metavar="N", type=whole, default=20_000,
-                        help="to readers (20000)")  # fmt: skip
-    parser.add_argument("--lines", metavar="N", type=whole, default=1_000,
-                        help="command lines (1000)")  # fmt: skip
-    parser.add_argument("--kills", metavar="N", type=whole, default=200,
-                        help="processes killed while they write (200)")  # fmt: skip
-    parser.add_argument("--searches", metavar="N", type=whole, default=0,
-                        help="of identify, killed and gone on with, a minute each (0)")  # fmt: skip
+    parser.add_argument(
+        "--inputs", metavar="N", type=whole, default=20_000, help="to readers (20000)"
+    )
+    parser.add_argument(
+        "--lines", metavar="N", type=whole, default=1_000, help="command lines (1000)"
+    )
+    parser.add_argument(
+        "--kills",
+        metavar="N",
+        type=whole,
+        default=200,
+        help="processes killed while they write (200)",
+    )
+    parser.add_argument(
+        "--searches",
+        metavar="N",
+        type=whole,
+        default=0,
+        help="of identify, killed and gone on with, a minute each (0)",
+    )
     parser.add_argument("--only", choices=DOORS, help="nothing else")
     parser.add_argument("--door", metavar="NAME", help="of the readers only this one")
     add_seed(parser)

@@ -83,9 +83,12 @@ def theirs() -> bytes:
 def calibration() -> Calibration:
     """Makes a calibration of both sensors, by two laws."""
     p = SensorCalibration(
-        "sine_cosine", np.array([1.65, 2.6, 1.64, 2.58, 0.01]), np.diag([2e-3] * 5) ** 2,
-        (-0.7, 0.7), 0.003,
-    )  # fmt: skip
+        "sine_cosine",
+        np.array([1.65, 2.6, 1.64, 2.58, 0.01]),
+        np.diag([2e-3] * 5) ** 2,
+        (-0.7, 0.7),
+        0.003,
+    )
     line = SensorCalibration("line", np.array([1.65, 2.6]), np.diag([1e-3, 2e-2]) ** 2)
     return Calibration({"phi1": p, "phi2": line}, "rig.toml")
 
@@ -113,10 +116,16 @@ def metadata() -> dict:
 def starts() -> dict:
     """Two starts of a search."""
     done = {
-        "x": [0.45, 1e-3], "cost": 12.0, "chi2_dof": 1.0, "information": [[1.0, 0.0], [0.0, 1.0]],
-        "evaluations": 9, "converged": True, "message": "Done.", "objective": 12.0,
+        "x": [0.45, 1e-3],
+        "cost": 12.0,
+        "chi2_dof": 1.0,
+        "information": [[1.0, 0.0], [0.0, 1.0]],
+        "evaluations": 9,
+        "converged": True,
+        "message": "Done.",
+        "objective": 12.0,
         "states": [[0.0] * 4] * 3,
-    }  # fmt: skip
+    }
     failed = done | {"cost": None, "chi2_dof": None, "objective": None, "states": None}
     key = {"seed": 0, "data": {"a.csv": "12"}, "bounds": {"k": [0.1, 1.0]}}
     return {"key": key, "done": {"start 0": done, "end 0": failed}}
@@ -125,17 +134,24 @@ def starts() -> dict:
 def part_of_key() -> dict:
     """Makes what a sealed trial keeps of one case."""
     effect = {
-        "sizes": {"a": 0.1}, "shapes": {}, "unit": ["1"], "location": "column",
-        "channel": "column", "in_catalogue": True,
-    }  # fmt: skip
+        "sizes": {"a": 0.1},
+        "shapes": {},
+        "unit": ["1"],
+        "location": "column",
+        "channel": "column",
+        "in_catalogue": True,
+    }
     return {
-        "case": "case-001", "kind": "one", "reference": {"column_tilt": {"multiple": 4.0}},
+        "case": "case-001",
+        "kind": "one",
+        "reference": {"column_tilt": {"multiple": 4.0}},
         "sha256": {"run-01.csv": "ab"},
         "given": {
-            "effects": {"column_tilt": effect}, "parameters": {"k": 0.45},
+            "effects": {"column_tilt": effect},
+            "parameters": {"k": 0.45},
             "runs": [{"file": "run-01.csv", "release": 0.5, "values": {}}],
         },
-    }  # fmt: skip
+    }
 
 
 def text_stream() -> bytes:

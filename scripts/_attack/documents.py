@@ -6,10 +6,40 @@ import random
 from typing import Any
 
 VALUES: tuple[Any, ...] = (
-    None, True, False, "", "x", "1.0", "nan", [], {}, [1.0], [[]], {"x": 1.0}, ["a", "b"], 0, 1,
-    -1, 0.5, -0.0, 1e-300, 1e30, 1e31, -1e31, 1e308, -1e308, 10**20, 10**400, -(10**400),
-    5e-324, "\u0000", "ü" * 300, float("nan"), float("inf"), float("-inf"),
-)  # fmt: skip
+    None,
+    True,
+    False,
+    "",
+    "x",
+    "1.0",
+    "nan",
+    [],
+    {},
+    [1.0],
+    [[]],
+    {"x": 1.0},
+    ["a", "b"],
+    0,
+    1,
+    -1,
+    0.5,
+    -0.0,
+    1e-300,
+    1e30,
+    1e31,
+    -1e31,
+    1e308,
+    -1e308,
+    10**20,
+    10**400,
+    -(10**400),
+    5e-324,
+    "\u0000",
+    "ü" * 300,
+    float("nan"),
+    float("inf"),
+    float("-inf"),
+)
 
 
 def places(value: Any, path: tuple = (), most: int = 3) -> list[tuple]:

@@ -27,9 +27,12 @@ def attack(tally: Tally, kills: int, seed: int = 0) -> None:
     chance = random.Random(seed)
     recordings = round(RECORDINGS * kills)
     doors: dict[str, Callable[[Path, random.Random], None]] = {
-        "starts": _starts, "program in the cache": _program, "campaign's entry": _entry,
-        "result": _result, "parts of a trial": _trial,
-    }  # fmt: skip
+        "starts": _starts,
+        "program in the cache": _program,
+        "campaign's entry": _entry,
+        "result": _result,
+        "parts of a trial": _trial,
+    }
     for i in range(kills - recordings):
         door, work = list(doors.items())[i % len(doors)]
         with tempfile.TemporaryDirectory() as folder:
@@ -187,8 +190,21 @@ def _recording(folder: Path, chance: random.Random) -> None:
 
     campaign = corpus.Folder(folder).made().root / "rig"
     before = (campaign / "campaign.toml").read_text()
-    words = [sys.executable, "-m", "tp_jax", "record", "--port", "emulator", "--duration", "30",
-             "--campaign", str(campaign), "--omega", "9", "--quiet"]  # fmt: skip
+    words = [
+        sys.executable,
+        "-m",
+        "tp_jax",
+        "record",
+        "--port",
+        "emulator",
+        "--duration",
+        "30",
+        "--campaign",
+        str(campaign),
+        "--omega",
+        "9",
+        "--quiet",
+    ]
     process = subprocess.Popen(words, stderr=subprocess.DEVNULL, start_new_session=True)
     time.sleep(chance.uniform(0.3, 5.0))
     process.kill()

@@ -42,15 +42,23 @@ def attack(tally: Tally) -> None:
 
 
 def _run(
-    words: tuple[str, ...], root: Path, env: Mapping[str, str], begin: Callable | None = None,
+    words: tuple[str, ...],
+    root: Path,
+    env: Mapping[str, str],
+    begin: Callable | None = None,
     program: tuple[str, ...] = ("-m", "tp_jax"),
-) -> str:  # fmt: skip
+) -> str:
     """Standard output; InputError where it was refused as it should be."""
     try:
         done = subprocess.run(
-            [sys.executable, *program, *words], cwd=root, env=dict(env), capture_output=True,
-            text=True, timeout=LONGEST, preexec_fn=begin,
-        )  # fmt: skip
+            [sys.executable, *program, *words],
+            cwd=root,
+            env=dict(env),
+            capture_output=True,
+            text=True,
+            timeout=LONGEST,
+            preexec_fn=begin,
+        )
     except subprocess.TimeoutExpired as fault:
         raise Wrong(f"hangs: {words}") from fault
     if done.returncode == 0 and not done.stderr:
@@ -70,9 +78,11 @@ def _full(root: Path, env: Mapping[str, str], words: tuple[str, ...], most: int)
     limit = most, resource.getrlimit(resource.RLIMIT_FSIZE)[1]
     try:
         _run(
-            (*words, "--out", out.name), root, {**env, "TP_JAX_CACHE": "off"},
+            (*words, "--out", out.name),
+            root,
+            {**env, "TP_JAX_CACHE": "off"},
             lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit),
-        )  # fmt: skip
+        )
     except InputError:
         if words is not RECORD and out.read_text() != "what was there":
             raise Wrong("what was there is gone") from None

@@ -29,9 +29,13 @@ def attack(tally: Tally, inputs: int, seed: int = 0, only: str | None = None) ->
 def _run(tally, door, strategy, read, inputs, seed, folder) -> None:
     # only drawn: what fails is counted, and not made smaller
     @settings(
-        max_examples=inputs, deadline=None, database=None, phases=[Phase.generate],
-        suppress_health_check=list(HealthCheck), verbosity=Verbosity.quiet,
-    )  # fmt: skip
+        max_examples=inputs,
+        deadline=None,
+        database=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+        verbosity=Verbosity.quiet,
+    )
     @given(strategy)
     def one(content: Any) -> None:
         tally.attempt(f"reader: {door}", lambda: read(content, folder), _short(content))

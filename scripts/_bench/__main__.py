@@ -22,9 +22,20 @@ from tp_jax.cli.output import made_folder, write_json
 SCHEMA = "tp-jax/bench/1"
 NUMBERS = "bench.json"
 MEASURES = (
-    "precision", "single", "sweep", "sensitivities", "stuck", "robustness", "control", "scaling",
-    "shell", "diagnosis", "growth", "identification", "simplices",
-)  # fmt: skip
+    "precision",
+    "single",
+    "sweep",
+    "sensitivities",
+    "stuck",
+    "robustness",
+    "control",
+    "scaling",
+    "shell",
+    "diagnosis",
+    "growth",
+    "identification",
+    "simplices",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -40,26 +51,36 @@ def _parser() -> Parser:
         description="Runs the engine and other solvers side by side, at equal error.",
     )
     parser.add_argument(
-        "--only", metavar="NAMES", type=_listed(MEASURES), default=MEASURES,
+        "--only",
+        metavar="NAMES",
+        type=_listed(MEASURES),
+        default=MEASURES,
         help=f"some of {','.join(MEASURES)}",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--peers", metavar="NAMES", type=_listed(tuple(MODULES)), default=tuple(MODULES),
+        "--peers",
+        metavar="NAMES",
+        type=_listed(tuple(MODULES)),
+        default=tuple(MODULES),
         help=f"some of {','.join(MODULES)}; ours always runs",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--out", metavar="DIR", default="bench-results", help="default ./bench-results"
     )
     parser.add_argument("--quick", action="store_true", help="few and short runs, to see it work")
     parser.add_argument(
-        "--draws-duration", metavar="S", type=positive, default=10.0,
+        "--draws-duration",
+        metavar="S",
+        type=positive,
+        default=10.0,
         help="seconds of a run of the robustness (default 10)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--against", metavar="REF",
+        "--against",
+        metavar="REF",
         help="with --only diagnosis: CPU seconds by stage beside those of this commit, on four "
         "campaigns",
-    )  # fmt: skip
+    )
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
@@ -94,11 +115,20 @@ def _bench(args: argparse.Namespace) -> int:
         numbers[name], more = measures[name](bench)
         rows += more
         # after each measurement: a later one that fails costs no earlier one
-        write_json(folder / NUMBERS, {
-            "schema": SCHEMA, "machine": where, "quick": args.quick, "target": TARGET,
-            "scale": scale._asdict(), "peers": [peer.name for peer in found], "notes": notes,
-            "rows": [row._asdict() for row in rows], "measures": numbers,
-        })  # fmt: skip
+        write_json(
+            folder / NUMBERS,
+            {
+                "schema": SCHEMA,
+                "machine": where,
+                "quick": args.quick,
+                "target": TARGET,
+                "scale": scale._asdict(),
+                "peers": [peer.name for peer in found],
+                "notes": notes,
+                "rows": [row._asdict() for row in rows],
+                "measures": numbers,
+            },
+        )
     notes += _drawn(numbers, [peer.name for peer in found], folder)
     table.show(rows, where, notes)
     return 0

@@ -30,9 +30,11 @@ def sweep_alone(lanes: int, eps: float, tol: float, duration: float) -> dict:
     arguments = (str(value) for value in (lanes, eps, tol, duration))
     done = subprocess.run(
         [sys.executable, "-m", __name__, *arguments],
-        check=True, text=True, stdout=subprocess.PIPE,
+        check=True,
+        text=True,
+        stdout=subprocess.PIPE,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
+    )
     return json.loads(done.stdout.splitlines()[-1])
 
 

@@ -45,7 +45,7 @@ class Bench:
         """The engine."""
         return self.peers[0]
 
-    def ladder(self, peer: Peer) -> tuple[float, ...]:
+    def schedule(self, peer: Peer) -> tuple[float, ...]:
         """Tolerances to choose from, loosest first.
 
         Ours begins higher: its tolerance is an angle in radians, and reversals bound its steps
@@ -70,7 +70,7 @@ class Bench:
         if key not in self.chosen:
             truth = self.truth(bench(), eps, self.scale.ts)
             run = lambda tol: largest(peer.run(bench(), eps, self.scale.ts, tol), truth)  # noqa: E731
-            self.chosen[key] = loosest(run, self.ladder(peer), self.scale.cap)
+            self.chosen[key] = loosest(run, self.schedule(peer), self.scale.cap)
         return self.chosen[key]
 
     def timed(self, peer: Peer, row: np.ndarray, eps: float, tol: float) -> tuple[float, Any]:

@@ -54,8 +54,12 @@ def as_plain(setting: Any, tol: float) -> Any:
     which, states = setting.fitted, FreeRuns(setting).states
     data = [setting.prepared[r] for r in which]
     return Runs(
-        ts=np.asarray(data[0].t), readings=np.stack([d.y for d in data]),
+        ts=np.asarray(data[0].t),
+        readings=np.stack([d.y for d in data]),
         states=np.stack([states[r] for r in which]),
         omega=np.array([setting.recordings[r].omega or 0.0 for r in which]),
-        B1=setting.campaign.B1, noise=NOISE, eps=DEFAULT_EPS, tol=tol,
-    )  # fmt: skip
+        B1=setting.campaign.B1,
+        noise=NOISE,
+        eps=DEFAULT_EPS,
+        tol=tol,
+    )

@@ -42,12 +42,18 @@ print(json.dumps({
 """
 
 STAGES = {
-    "loading": "loading", "preparing": "preparing", "fitting windows": "baseline",
-    "sharpening": "sharpening", "screening": "screening", "refitting": "refitting",
-    "polishing": "polishing", "predicting": "leaving out",
-    "trying to do without": "doing without", "longer windows": "longer windows",
+    "loading": "loading",
+    "preparing": "preparing",
+    "fitting windows": "baseline",
+    "sharpening": "sharpening",
+    "screening": "screening",
+    "refitting": "refitting",
+    "polishing": "polishing",
+    "predicting": "leaving out",
+    "trying to do without": "doing without",
+    "longer windows": "longer windows",
     "reading": "held-out",
-}  # fmt: skip
+}
 """Beginning of what is shown -> stage."""
 
 
@@ -66,9 +72,11 @@ def campaigns(folder: Path) -> dict[str, Path]:
     make_campaign(folder / "measured", effects={"spring_hardening": 0.2}, measured=True, seed=35)
     make_campaign(folder / "unknown", effects={"bearing_rim": 0.45}, seed=35)
     return {
-        "example": EXAMPLE, "decays": _decays(folder / "decays"),
-        "measured drive": folder / "measured", "stays unknown": folder / "unknown",
-    }  # fmt: skip
+        "example": EXAMPLE,
+        "decays": _decays(folder / "decays"),
+        "measured drive": folder / "measured",
+        "stays unknown": folder / "unknown",
+    }
 
 
 def _decays(folder: Path) -> Path:
@@ -131,9 +139,13 @@ def diagnosed(root: Path, campaign: Path, cache: Path) -> Diagnosed:
     for name in ("TP_JAX_CACHE", "JAX_COMPILATION_CACHE_DIR"):
         environment.pop(name, None)
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(campaign)], env=environment, cwd=root,
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [sys.executable, "-c", PROGRAM, str(campaign)],
+        env=environment,
+        cwd=root,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if done.returncode:
         raise RuntimeError(f"a diagnosis by {root} ended with {done.returncode}:\n{done.stderr}")
     return read(json.loads(done.stdout.splitlines()[-1]))

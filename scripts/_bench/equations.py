@@ -34,9 +34,19 @@ def compiled(function: Callable[..., Any] | None = None, **options: Any) -> Call
 def constants(p, eps):
     """Computes what the equations need of a row of parameters, divisions done beforehand."""
     return (
-        p[0], p[1], 1.0 / p[2], 1.0 / p[3], p[4], TWO_OVER_PI * p[5],
-        p[6], TWO_OVER_PI * p[7], p[8], p[9], p[10], eps,
-    )  # fmt: skip
+        p[0],
+        p[1],
+        1.0 / p[2],
+        1.0 / p[3],
+        p[4],
+        TWO_OVER_PI * p[5],
+        p[6],
+        TWO_OVER_PI * p[7],
+        p[8],
+        p[9],
+        p[10],
+        eps,
+    )
 
 
 @compiled(fastmath=FAST)

@@ -11,15 +11,29 @@ from .rows import BARS, duration, smoothing
 
 # Okabe and Ito's palette, a dark red instead of its yellow, and a grey
 COLOURS = (
-    "#D55E00", "#000000", "#0072B2", "#56B4E9", "#009E73", "#CC79A7", "#E69F00", "#999999",
+    "#D55E00",
+    "#000000",
+    "#0072B2",
+    "#56B4E9",
+    "#009E73",
+    "#CC79A7",
+    "#E69F00",
+    "#999999",
     "#882255",
-)  # fmt: skip
+)
 MARKERS = "osD^vPX*<"
 STYLE = {
-    "figure.figsize": (7.0, 4.6), "figure.dpi": 150, "font.size": 10, "axes.grid": True,
-    "grid.alpha": 0.3, "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
-    "legend.frameon": False, "legend.fontsize": 8,
-}  # fmt: skip
+    "figure.figsize": (7.0, 4.6),
+    "figure.dpi": 150,
+    "font.size": 10,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+}
 
 
 def draw(measures: Mapping[str, Any], names: list[str], folder: Path) -> list[Path]:
@@ -67,9 +81,10 @@ def _precision(plt: Any, curves: list, looks: Mapping, eps: float) -> Any:
         x, y = [1e3 * p["seconds"] for p in points], [p["error"] for p in points]
         axes.loglog(x, y, label=curve["peer"], linewidth=1.2, markersize=4, **looks[curve["peer"]])
     axes.set(
-        xlabel="one run [ms]", ylabel="largest error of an angle [rad]",
+        xlabel="one run [ms]",
+        ylabel="largest error of an angle [rad]",
         title=f"Error against cost, {smoothing(eps)}",
-    )  # fmt: skip
+    )
     axes.legend()
     return figure
 

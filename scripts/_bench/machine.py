@@ -9,8 +9,16 @@ from pathlib import Path
 from .peer import cores
 
 PACKAGES = (
-    "jax", "jaxlib", "diffrax", "equinox", "numpy", "scipy", "numba", "casadi", "scikit-sundae",
-)  # fmt: skip
+    "jax",
+    "jaxlib",
+    "diffrax",
+    "equinox",
+    "numpy",
+    "scipy",
+    "numba",
+    "casadi",
+    "scikit-sundae",
+)
 
 
 def description() -> dict:

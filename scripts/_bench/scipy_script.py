@@ -96,9 +96,14 @@ def starts(number: int, lower: np.ndarray, upper: np.ndarray, seed: int) -> np.n
 def fit(x0: np.ndarray, runs: Runs, lower: np.ndarray, upper: np.ndarray) -> tuple:
     """Finds where least squares from a start end: logarithms (u,), sum of squares, evaluations."""
     found = optimize.least_squares(
-        residuals, x0, jacobian, bounds=(np.log(lower), np.log(upper)), x_scale="jac",
-        max_nfev=EVALUATIONS, args=(runs,),
-    )  # fmt: skip
+        residuals,
+        x0,
+        jacobian,
+        bounds=(np.log(lower), np.log(upper)),
+        x_scale="jac",
+        max_nfev=EVALUATIONS,
+        args=(runs,),
+    )
     return found.x, 2.0 * float(found.cost), int(found.nfev)
 
 
@@ -119,7 +124,9 @@ def simplex_search(
     """
     clipped = lambda u: np.clip(x0 * u, *limits)  # noqa: E731
     found = optimize.minimize(
-        lambda u: objective(clipped(u), runs), np.ones(len(x0)), method="Nelder-Mead",
+        lambda u: objective(clipped(u), runs),
+        np.ones(len(x0)),
+        method="Nelder-Mead",
         options={"maxiter": iterations, "maxfev": np.inf, "xatol": 1e-4, "fatol": 1e-4},
-    )  # fmt: skip
+    )
     return clipped(found.x), float(found.fun), int(found.nfev)

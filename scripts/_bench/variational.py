@@ -30,9 +30,15 @@ def derivatives(states: np.ndarray, row: np.ndarray) -> np.ndarray:
 def by_lsoda(row: np.ndarray, eps: float, ts: np.ndarray, tol: float) -> np.ndarray:
     """Derivatives (n, 2, 14) of the angles, the tolerance held for them too."""
     states = odeint(
-        variations, start(), ts, args=(constants(row, eps),), tfirst=True, rtol=tol, atol=tol,
+        variations,
+        start(),
+        ts,
+        args=(constants(row, eps),),
+        tfirst=True,
+        rtol=tol,
+        atol=tol,
         mxstep=100_000_000,
-    )  # fmt: skip
+    )
     return derivatives(states, row)
 
 

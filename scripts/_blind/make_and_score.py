@@ -33,10 +33,12 @@ def add_parsers(commands: argparse._SubParsersAction) -> None:
         "--cases", metavar="N", type=cases, default=440, help="how many (default 440)"
     )
     make.add_argument(
-        "--rigs", choices=("clean", "rough"), default="clean",
+        "--rigs",
+        choices=("clean", "rough"),
+        default="clean",
         help="clean: all alike, 6 runs of 10 s at 250 Hz (default); rough: rates, lengths, noise, "
         "converters, drives and numbers differ from case to case",
-    )  # fmt: skip
+    )
     add_executor(make)
     add_seed(make)
     add_progress(make)
@@ -51,14 +53,17 @@ def add_parsers(commands: argparse._SubParsersAction) -> None:
     )
     score.add_argument("directory", metavar="DIR", help="a trial, every case of it diagnosed")
     score.add_argument(
-        "--quick", action="store_true",
+        "--quick",
+        action="store_true",
         help="take the shrink from each diagnosis instead of from runs that were never given, and "
         "leave out the harm on those",
-    )  # fmt: skip
+    )
     score.add_argument(
-        "--first", metavar="N", type=count,
+        "--first",
+        metavar="N",
+        type=count,
         help="score the first N cases and give up the others, which are not diagnosed",
-    )  # fmt: skip
+    )
     add_json(score)
     add_progress(score)
     add_common(score)
@@ -82,9 +87,13 @@ def run_make(args: argparse.Namespace) -> int:
 
     with shown(quiet=args.quiet, form=args.progress) as progress:
         digest = make(
-            args.directory, args.cases, args.seed, rigs=args.rigs,
-            executor=executor_of(args), progress=progress,
-        )  # fmt: skip
+            args.directory,
+            args.cases,
+            args.seed,
+            rigs=args.rigs,
+            executor=executor_of(args),
+            progress=progress,
+        )
     if not args.quiet:
         print(f"Made {args.cases} cases in {args.directory}; SHA-256 of the key: {digest}")
     return 0

@@ -34,9 +34,16 @@ VERSION = 12
 """Hexadecimal digits of a version that are written and shown."""
 
 HEADS = (
-    "version", "commit", "rigs", "cause first", "from 3 ×", "false alarms", "unknown, outside",
-    "harm", "CPU s a rig",
-)  # fmt: skip
+    "version",
+    "commit",
+    "rigs",
+    "cause first",
+    "from 3 ×",
+    "false alarms",
+    "unknown, outside",
+    "harm",
+    "CPU s a rig",
+)
 
 KNOWN = ("case", "kind", "effects", "verdict", "causes", "multiple", "shrink")
 """Fields of a judged rig that stand in its line already."""
@@ -86,19 +93,31 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         "trials/pools/NAME.jsonl; the same call adds more. No rig is drawn twice.",
     )
     parser.add_argument("name", metavar="NAME", type=_name, help="of the pool: a-z, 0-9 and -")
-    parser.add_argument("--score", action="store_true",
-                        help="add nothing; show all tables of one version too")  # fmt: skip
-    parser.add_argument("--rigs", choices=("clean", "rough"),
-                        help="of a new pool (default clean; see `make`)")  # fmt: skip
-    parser.add_argument("--minutes", metavar="M", type=positive, default=MOST_MINUTES,
-                        help="of this call at most; a rig is begun only if it should end before "
-                        f"(default and most {MOST_MINUTES:g})")  # fmt: skip
+    parser.add_argument(
+        "--score", action="store_true", help="add nothing; show all tables of one version too"
+    )
+    parser.add_argument(
+        "--rigs", choices=("clean", "rough"), help="of a new pool (default clean; see `make`)"
+    )
+    parser.add_argument(
+        "--minutes",
+        metavar="M",
+        type=positive,
+        default=MOST_MINUTES,
+        help="of this call at most; a rig is begun only if it should end before "
+        f"(default and most {MOST_MINUTES:g})",
+    )
     add_executor(parser)
-    parser.add_argument("--version", metavar="V",
-                        help="whose tables are shown (default the last one tried)")  # fmt: skip
+    parser.add_argument(
+        "--version", metavar="V", help="whose tables are shown (default the last one tried)"
+    )
     parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
-    parser.add_argument("--debug", action="store_true", default=argparse.SUPPRESS,
-                        help="show the traceback of a fault")  # fmt: skip
+    parser.add_argument(
+        "--debug",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="show the traceback of a fault",
+    )
     parser.set_defaults(run=run_pool)
 
 
@@ -248,22 +267,36 @@ def diagnosed(
     shrink = dict(measured(root, entry, diagnosis)) if wants_shrink(entry) else {}
     harm = measured_harm(root, entry, diagnosis)
     return diagnosis, {
-        "shrink": shrink.get("shrink"), "best": shrink.get("best"),
-        "harm_windowed": harm["windowed"], "harm_free_run": harm["free_run"],
-    }  # fmt: skip
+        "shrink": shrink.get("shrink"),
+        "best": shrink.get("best"),
+        "harm_windowed": harm["windowed"],
+        "harm_free_run": harm["free_run"],
+    }
 
 
 def row_of(
-    entry: Mapping[str, Any], diagnosis: Mapping[str, Any], sealed: dict[str, Any], number: int,
-    seed: int, rigs: str, commit: str | None, version: str, cpu_s: float,
-) -> Row:  # fmt: skip
+    entry: Mapping[str, Any],
+    diagnosis: Mapping[str, Any],
+    sealed: dict[str, Any],
+    number: int,
+    seed: int,
+    rigs: str,
+    commit: str | None,
+    version: str,
+    cpu_s: float,
+) -> Row:
     """The line of a rig."""
     from trials.judge import judge
 
     judged = judge(entry, diagnosis)
     first = judged["first"] or {}
     return Row(
-        number=number, seed=seed, rigs=rigs, kind=entry["kind"], version=version, commit=commit,
+        number=number,
+        seed=seed,
+        rigs=rigs,
+        kind=entry["kind"],
+        version=version,
+        commit=commit,
         hidden={
             id: {
                 "sizes": list(each["sizes"].values()),
@@ -271,10 +304,15 @@ def row_of(
             }
             for id, each in entry["given"]["effects"].items()
         },
-        detectable=judged["multiple"], verdict=judged["verdict"], causes=judged["causes"],
-        shrink=(diagnosis.get("gap") or {}).get("shrink"), probability=first.get("probability"),
-        sealed=sealed, judged={k: x for k, x in judged.items() if k not in KNOWN}, cpu_s=cpu_s,
-    )  # fmt: skip
+        detectable=judged["multiple"],
+        verdict=judged["verdict"],
+        causes=judged["causes"],
+        shrink=(diagnosis.get("gap") or {}).get("shrink"),
+        probability=first.get("probability"),
+        sealed=sealed,
+        judged={k: x for k, x in judged.items() if k not in KNOWN},
+        cpu_s=cpu_s,
+    )
 
 
 def judged_of(row: Row) -> dict[str, Any]:
@@ -283,12 +321,18 @@ def judged_of(row: Row) -> dict[str, Any]:
     known = [x for x in (windowed, free) if x is not None]
     shrink = {"shrink": row.sealed["shrink"], "best": row.sealed["best"]}
     return {
-        **row.judged, "case": f"{row.rigs}-{row.number:05d}", "kind": row.kind,
-        "effects": list(row.hidden), "multiple": row.detectable, "verdict": row.verdict,
-        "causes": row.causes, "harm_windowed": windowed, "harm_free_run": free,
+        **row.judged,
+        "case": f"{row.rigs}-{row.number:05d}",
+        "kind": row.kind,
+        "effects": list(row.hidden),
+        "multiple": row.detectable,
+        "verdict": row.verdict,
+        "causes": row.causes,
+        "harm_windowed": windowed,
+        "harm_free_run": free,
         "harm": any(known) if known else None,
         **({"shrink": shrink} if row.kind in ("one", "two") else {}),
-    }  # fmt: skip
+    }
 
 
 def by_version(rows: Sequence[Row]) -> list[tuple[str, ...]]:
@@ -302,9 +346,12 @@ def by_version(rows: Sequence[Row]) -> list[tuple[str, ...]]:
         found = summary([judged_of(row) for row in mine])
         commits = dict.fromkeys(row.commit or "none" for row in mine)
         asked = (
-            found["top1"], found["from_3"]["top1"], found["false_alarm"], found["unknown"],
+            found["top1"],
+            found["from_3"]["top1"],
+            found["false_alarm"],
+            found["unknown"],
             found["harm"],
-        )  # fmt: skip
+        )
         spent = sum(row.cpu_s for row in mine) / len(mine)
         lines.append(
             (version, " ".join(commits), str(len(mine)), *map(measure, asked), f"{spent:.0f}")

@@ -23,26 +23,48 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         help="make a trial, diagnose every case and score, resumably",
         description="A blind trial: made if it is not there, diagnosed, scored. Resumes.",
     )
-    parser.add_argument("directory", metavar="DIR", nargs="?", default="blind-trial",
-                        help="of the trial (default ./blind-trial)")  # fmt: skip
+    parser.add_argument(
+        "directory",
+        metavar="DIR",
+        nargs="?",
+        default="blind-trial",
+        help="of the trial (default ./blind-trial)",
+    )
     parser.add_argument("--cases", metavar="N", type=count, default=440, help="default 440")
-    parser.add_argument("--rigs", choices=("clean", "rough"), default="clean",
-                        help="as `scripts/blind make --rigs` (default clean)")  # fmt: skip
+    parser.add_argument(
+        "--rigs",
+        choices=("clean", "rough"),
+        default="clean",
+        help="as `scripts/blind make --rigs` (default clean)",
+    )
     add_seed(parser)
     add_executor(parser)
-    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no case after so many seconds; what is known is scored "
-                        "once all are diagnosed")  # fmt: skip
-    parser.add_argument("--first", metavar="N", type=count,
-                        help="of the cases; the others are given up")  # fmt: skip
-    parser.add_argument("--pool", metavar="F", action="append", default=[],
-                        help="score.json of another trial of the same program, for the tables "
-                        "(repeatable)")  # fmt: skip
+    parser.add_argument(
+        "--limit-s",
+        metavar="S",
+        type=positive,
+        default=float("inf"),
+        help="begin no case after so many seconds; what is known is scored once all are diagnosed",
+    )
+    parser.add_argument(
+        "--first", metavar="N", type=count, help="of the cases; the others are given up"
+    )
+    parser.add_argument(
+        "--pool",
+        metavar="F",
+        action="append",
+        default=[],
+        help="score.json of another trial of the same program, for the tables (repeatable)",
+    )
     parser.add_argument("--quick", action="store_true", help="as `scripts/blind score --quick`")
     parser.add_argument("--json", metavar="F", help="of the score (default DIR/score.json)")
     parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
-    parser.add_argument("--debug", action="store_true", default=argparse.SUPPRESS,
-                        help="show the traceback of a fault")  # fmt: skip
+    parser.add_argument(
+        "--debug",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="show the traceback of a fault",
+    )
     parser.set_defaults(run=run_trial)
 
 
@@ -59,15 +81,22 @@ def run_trial(args: argparse.Namespace) -> int:
     with shown(quiet=False) as progress:
         if not (root / "KEY.sha256").is_file():
             make(
-                root, args.cases, args.seed, rigs=args.rigs, executor=executor_of(args),
+                root,
+                args.cases,
+                args.seed,
+                rigs=args.rigs,
+                executor=executor_of(args),
                 progress=progress,
-            )  # fmt: skip
+            )
         left, executor = undiagnosed(root, args.first), executor_of(args)
         until = begin + args.limit_s
         failed = _done(
-            diagnose_case, [(root, name) for name in left], executor, until,
+            diagnose_case,
+            [(root, name) for name in left],
+            executor,
+            until,
             lambda part: progress("diagnosing", part),
-        )  # fmt: skip
+        )
     left = undiagnosed(root, args.first)
     for name, fault in failed.items():
         print(f"blind: the diagnosis of {name} failed: {fault}", file=sys.stderr)
@@ -80,9 +109,12 @@ def run_trial(args: argparse.Namespace) -> int:
         if not args.quick:
             asked = [(root, e["case"], e) for e in entries if _on_sealed(root, e)]
             failed = _done(
-                _predict, asked, executor, until,
+                _predict,
+                asked,
+                executor,
+                until,
                 lambda part: progress("predicting the sealed runs", part),
-            )  # fmt: skip
+            )
             for name, fault in failed.items():
                 print(f"blind: the sealed runs of {name}: {fault}", file=sys.stderr)
             todo = [task for task in asked if _waits(*task)]

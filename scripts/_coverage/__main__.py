@@ -36,8 +36,13 @@ def _parser() -> Parser:
     add_executor(parser)
     parser.add_argument("--runs", metavar="N", type=count, help="recordings of a campaign (6)")
     parser.add_argument("--duration", metavar="S", type=positive, help="of a recording (10)")
-    parser.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                        help="begin no rig after so many seconds")  # fmt: skip
+    parser.add_argument(
+        "--limit-s",
+        metavar="S",
+        type=positive,
+        default=float("inf"),
+        help="begin no rig after so many seconds",
+    )
     parser.add_argument("--quick", action="store_true", help="short campaigns, to see it work")
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
@@ -60,12 +65,19 @@ def _coverage(args: argparse.Namespace) -> int:
     results = {i: r for i, r in read(folder / RIGS).items() if i < args.rigs}
     found = tally(results)
     seconds = [sum(r["seconds"].values()) for r in results.values()]
-    write_json(folder / NUMBERS, {
-        "schema": SCHEMA, "settings": settings._asdict(), "rigs": len(results),
-        "of": args.rigs, "failed": {str(i): fault for i, fault in failed.items()},
-        "not_converged": sum(not r["converged"] for r in results.values()),
-        "seconds_per_rig": sum(seconds) / max(len(seconds), 1), "parameters": found,
-    })  # fmt: skip
+    write_json(
+        folder / NUMBERS,
+        {
+            "schema": SCHEMA,
+            "settings": settings._asdict(),
+            "rigs": len(results),
+            "of": args.rigs,
+            "failed": {str(i): fault for i, fault in failed.items()},
+            "not_converged": sum(not r["converged"] for r in results.values()),
+            "seconds_per_rig": sum(seconds) / max(len(seconds), 1),
+            "parameters": found,
+        },
+    )
     print("\n".join(lines(found)))
     left = args.rigs - len(results)
     if left:

@@ -21,9 +21,9 @@ def study(number: int, settings: Settings) -> dict[str, Any]:
         number: of the rig; with the settings' seed it decides everything random.
         settings: of the study.
     """
-    from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+    from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
     from tp_jax.estimation.intervals import intervals
-    from tp_jax.estimation.sharpen import sharpened
+    from tp_jax.estimation.sharpen import fit_with_sharp_friction
     from tp_jax.identifiability.profile_likelihood import profiles
     from tp_jax.recordings import load_campaign
     from tp_jax.rig import make_campaign
@@ -34,13 +34,21 @@ def study(number: int, settings: Settings) -> dict[str, Any]:
     parameters, seed, _ = draw_rig(rng, settings.runs, settings.duration)
     with tempfile.TemporaryDirectory() as folder:
         make_campaign(
-            Path(folder, "rig"), parameters, runs=settings.runs, rate=settings.rate,
-            duration=settings.duration, noise=settings.noise, bits=settings.bits, seed=seed,
-        )  # fmt: skip
+            Path(folder, "rig"),
+            parameters,
+            runs=settings.runs,
+            rate=settings.rate,
+            duration=settings.duration,
+            noise=settings.noise,
+            bits=settings.bits,
+            seed=seed,
+        )
         campaign = load_campaign(Path(folder, "rig"))
     simulated = time.perf_counter()
     setting = prepare_campaign(campaign, effects=())
-    fit = sharpened(setting, grow(setting, initial_values(setting), setting.unknowns()))
+    fit = fit_with_sharp_friction(
+        setting, fit_over_schedule(setting, initial_values(setting), setting.unknowns())
+    )
     found = intervals(fit, setting)
     by_profile = {p.name: p for p in profiles(fit, setting, PROFILED)}
     truth = dataclasses.asdict(parameters)
@@ -68,6 +76,9 @@ def _row(truth: float, value: float, ci95) -> dict[str, Any]:
     low, high = ci95
     held = (low is None or low <= truth) and (high is None or truth <= high)
     return {
-        "truth": truth, "value": value, "ci95": [low, high], "covered": bool(held),
+        "truth": truth,
+        "value": value,
+        "ci95": [low, high],
+        "covered": bool(held),
         "open": low is None or high is None,
-    }  # fmt: skip
+    }

@@ -35,9 +35,11 @@ def execute(path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory() as work:
         NotebookClient(
-            notebook, timeout=TIMEOUT, kernel_name="python3",
+            notebook,
+            timeout=TIMEOUT,
+            kernel_name="python3",
             resources={"metadata": {"path": work}},
-        ).execute()  # fmt: skip
+        ).execute()
     if any(said.startswith(NOT_HERE) for said in texts(notebook)):
         print(f"  {path.name} lacks its data and is left as it was")
         return

@@ -50,9 +50,13 @@ class Case(NamedTuple):
 
     def found(self, tolerance: float) -> lanes.Found:
         return lanes.run(
-            self.table, self.ts, tolerance, self.y0, derivatives=self.derivatives,
+            self.table,
+            self.ts,
+            tolerance,
+            self.y0,
+            derivatives=self.derivatives,
             per_step=self.per_step,
-        )  # fmt: skip
+        )
 
     def engine(self, eps: float, tolerance: float) -> np.ndarray:
         """The same by the engine, with smoothed friction."""
@@ -68,9 +72,13 @@ class Case(NamedTuple):
 
     def swept(self, eps: float, tolerance: float) -> tp.Sweep:
         return tp.sweep(
-            ours._models(self.table, eps), self.ts, self.y0, tolerance=tolerance,
-            velocities=False, threads=1,
-        )  # fmt: skip
+            ours._models(self.table, eps),
+            self.ts,
+            self.y0,
+            tolerance=tolerance,
+            velocities=False,
+            threads=1,
+        )
 
     def error(self, values: np.ndarray, truth: np.ndarray) -> float:
         """Median over the runs of the largest error [rad], or of derivatives by their size."""

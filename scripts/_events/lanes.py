@@ -54,10 +54,15 @@ class Found(NamedTuple):
 
 
 def run(
-    table: Float[AnyArray, "N P"], ts: Float[AnyArray, " n"], tolerance: float,
-    y0: Float[AnyArray, "N 4"] | None = None, *, derivatives: bool = False, width: int = 0,
+    table: Float[AnyArray, "N P"],
+    ts: Float[AnyArray, " n"],
+    tolerance: float,
+    y0: Float[AnyArray, "N 4"] | None = None,
+    *,
+    derivatives: bool = False,
+    width: int = 0,
     per_step: int = PER_STEP,
-) -> Found:  # fmt: skip
+) -> Found:
     """Runs of the rows of `table` (in the order of `NAMES`), on one thread.
 
     Args:
@@ -75,9 +80,15 @@ def run(
 
     def piece(index: np.ndarray, active: int) -> None:
         done = _compiled()(
-            np.asarray(table).T[:, index], starts.T[:, index], ts, tolerance, np.asarray(active),
-            derivatives, width, per_step,
-        )  # fmt: skip
+            np.asarray(table).T[:, index],
+            starts.T[:, index],
+            ts,
+            tolerance,
+            np.asarray(active),
+            derivatives,
+            width,
+            per_step,
+        )
         for whole, its in zip(out, done, strict=True):
             whole[index[:active]] = np.asarray(its)[:active]
 
@@ -205,10 +216,17 @@ def _pass(
     passed = [active & (k + r < n) & (z <= reach) for r, z in enumerate(inside)]
     keep = lambda a, b: jnp.where(active, a, b)  # noqa: E731
     new = _Lanes(
-        keep(t + x, t), k + sum(passed), lanes.steps + active, lanes.events + (active & hit),
+        keep(t + x, t),
+        k + sum(passed),
+        lanes.steps + active,
+        lanes.events + (active & hit),
         [keep(a, b) for a, b in zip(end, y, strict=True)],
-        [keep(a, b) for a, b in zip(signs, (s1, s2), strict=True)], s, before, one, lanes.unit,
-    )  # fmt: skip
+        [keep(a, b) for a, b in zip(signs, (s1, s2), strict=True)],
+        s,
+        before,
+        one,
+        lanes.unit,
+    )
     return new, rows, [jnp.where(m, k + r, n) for r, m in enumerate(passed)]
 
 

@@ -34,8 +34,13 @@ def _parser() -> Parser:
     save.add_argument("--to", metavar="DIR", required=True, help="outside the repository")
     save.add_argument("--clean", metavar="N", type=_rigs, default=60, help="rigs (default 60)")
     save.add_argument("--rough", metavar="N", type=_rigs, default=40, help="rigs (default 40)")
-    save.add_argument("--limit-s", metavar="S", type=positive, default=float("inf"),
-                      help="begin no rig after so many seconds")  # fmt: skip
+    save.add_argument(
+        "--limit-s",
+        metavar="S",
+        type=positive,
+        default=float("inf"),
+        help="begin no rig after so many seconds",
+    )
     save.set_defaults(run=_save)
     table = commands.add_parser("table", help="compare, from the saved screens alone")
     table.add_argument("--of", metavar="DIR", required=True, help="where the screens are")

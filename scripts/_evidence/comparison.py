@@ -37,9 +37,12 @@ NULLS = ("noise", "noise, its level drawn", "blocks flipped", "blocks drawn")
 """Ways to draw scores where there is noise alone; see `null_scores`."""
 
 KINDS = {
-    "none": "nothing hidden", "one": "one effect", "two": "two effects",
-    "cousin": "of another formula", "outside": "outside the catalogue",
-}  # fmt: skip
+    "none": "nothing hidden",
+    "one": "one effect",
+    "two": "two effects",
+    "cousin": "of another formula",
+    "outside": "outside the catalogue",
+}
 
 TODAY = "today"
 
@@ -107,12 +110,15 @@ def answer(saved: Saved) -> Answer:
     asked = facts["kind"] in ("one", "two", "cousin")
     known = {*facts["hidden"], *facts["cousins"].values()}
     return Answer(
-        facts["rigs"], facts["kind"], max(multiples, default=None), p,
+        facts["rigs"],
+        facts["kind"],
+        max(multiples, default=None),
+        p,
         {way: order[0] in right for way, order in ranked.items()} if asked else None,
         {way: order[0] in known for way, order in ranked.items()} if asked else None,
         {way: location[order[0]] in places for way, order in ranked.items()} if multiples else None,
         other,
-    )  # fmt: skip
+    )
 
 
 def _p(nothing: np.ndarray, seen: float) -> float:
@@ -215,15 +221,24 @@ def _which(rigs: str, found: Sequence[Answer]) -> str:
     rows = []
     for way in (TODAY, *(prior.name for prior in PRIORS)):
         by_size = [share(a.first[way] for a in _in(asked, band)) for band in BANDS]
-        rows.append((
-            f"{way}: predicted drop" if way == TODAY else way, share(a.first[way] for a in asked),
-            *by_size, share(a.alone[way] for a in asked), share(a.place[way] for a in asked),
-            _against(asked, way),
-        ))  # fmt: skip
+        rows.append(
+            (
+                f"{way}: predicted drop" if way == TODAY else way,
+                share(a.first[way] for a in asked),
+                *by_size,
+                share(a.alone[way] for a in asked),
+                share(a.place[way] for a in asked),
+                _against(asked, way),
+            )
+        )
     heads = (
-        "ranked by", "right effect first", *_heads(), "ties wrong", "location",
+        "ranked by",
+        "right effect first",
+        *_heads(),
+        "ties wrong",
+        "location",
         "better : worse than today",
-    )  # fmt: skip
+    )
     return f"Which, {rigs} rigs:\n\n{markdown.table(heads, rows)}"
 
 

@@ -15,7 +15,7 @@ from scripts._evidence.screens import Saved, Variant
 from tp_jax.executors import ExecutorChoice, Piece, run_pieces
 
 if TYPE_CHECKING:
-    from tp_jax.estimation.baseline import Setting
+    from tp_jax.estimation.baseline import PreparedCampaign
     from tp_jax.estimation.fitted import Fit
     from tp_jax.gap.screen import Screen
     from tp_jax.gap.structure import Structure
@@ -117,36 +117,43 @@ def save(folder: Path, number: int, rigs: str) -> float:
         saved = look(Path(place) / case.name)
     spent = round(time.process_time() - begin, 1)
     known = {
-        "number": number, "rigs": rigs, "kind": case.kind, "seed": case.seed, "cpu_s": spent,
+        "number": number,
+        "rigs": rigs,
+        "kind": case.kind,
+        "seed": case.seed,
+        "cpu_s": spent,
         "hidden": {
             id: {
-                "location": each["location"], "channel": each["channel"],
+                "location": each["location"],
+                "channel": each["channel"],
                 "multiple": entry["reference"][id]["multiple"],
             }
             for id, each in entry["given"]["effects"].items()
         },
         "cousins": {id: of["of"] for id, of in (entry.get("cousins") or {}).items()},
-    }  # fmt: skip
+    }
     facts = dataclasses.asdict(Facts(**known, **saved.facts))
     screens.write(file_of(folder, rigs, number), dataclasses.replace(saved, facts=facts))
     return spent
 
 
-def first_screen(campaign: Path) -> tuple["Setting", "Fit", "Screen", "Structure"]:
+def first_screen(campaign: Path) -> tuple["PreparedCampaign", "Fit", "Screen", "Structure"]:
     """A campaign as the first round of its diagnosis sees it."""
-    from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+    from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
     from tp_jax.gap.choice import looked_at
     from tp_jax.gap.known_noise import with_noise_of
     from tp_jax.gap.policy import POLICY
-    from tp_jax.gap.refit import Refit, sharper
+    from tp_jax.gap.refit import Refit, refit_with_sharp_friction
     from tp_jax.recordings import hold_out, load_campaign
 
     setting = prepare_campaign(hold_out(load_campaign(campaign)))
-    baseline = grow(setting, initial_values(setting), setting.unknowns())
+    baseline = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     if baseline.chi2_dof < POLICY.noise.below:
         setting, baseline = with_noise_of(setting, baseline, baseline)
     current = Refit(baseline, ())
-    fit, seen, structure = looked_at(setting, current, sharper(setting, current), SEED_OF_DRAWS)
+    fit, seen, structure = looked_at(
+        setting, current, refit_with_sharp_friction(setting, current), SEED_OF_DRAWS
+    )
     return setting, fit, seen, structure
 
 
@@ -164,12 +171,19 @@ def look(campaign: Path) -> Saved:
     error = floor_error(setting)
     excess = float((fit.chi2_dof - 1.0) / np.hypot(error, np.sqrt(2.0 / max(fit.dof, 1))))
     facts = {
-        "chi2_dof": fit.chi2_dof, "cost": fit.cost, "dof": fit.dof,
-        "coloured": bool(fit.problem.coloured), "rounded": seen.rounding is not None,
-        "floor_error": error, "structure_p": structure.p, "free_p": free_p, "excess": excess,
+        "chi2_dof": fit.chi2_dof,
+        "cost": fit.cost,
+        "dof": fit.dof,
+        "coloured": bool(fit.problem.coloured),
+        "rounded": seen.rounding is not None,
+        "floor_error": error,
+        "structure_p": structure.p,
+        "free_p": free_p,
+        "excess": excess,
         "combined_p": combined(structure.p, free_p, excess),
-        "windows": fit.problem.windows.n, "samples": int(fit.problem.windows.count.sum()),
-    }  # fmt: skip
+        "windows": fit.problem.windows.n,
+        "samples": int(fit.problem.windows.count.sum()),
+    }
     specs = [parameter(fit.problem, u) for s in seen.scored for u in s.variant.unknowns]
     blocks = np.zeros((len(seen.information_by_block), len(seen.total)))
     for s in seen.scored:
@@ -183,8 +197,12 @@ def look(campaign: Path) -> Saved:
         facts=facts,
         variants=tuple(
             Variant(
-                s.id, s.variant.effect.location, dict(s.variant.shapes), s.rows.start,
-                s.rows.stop - s.rows.start, s.drop,
+                s.id,
+                s.variant.effect.location,
+                dict(s.variant.shapes),
+                s.rows.start,
+                s.rows.stop - s.rows.start,
+                s.drop,
             )
             for s in seen.scored
         ),
@@ -199,4 +217,4 @@ def look(campaign: Path) -> Saved:
         ends=np.cumsum([value.size for value, _ in parts]),
         variance=np.concatenate([value.ravel() for value, _ in parts]),
         free=np.concatenate([z.ravel() for _, z in parts]),
-    )  # fmt: skip
+    )

@@ -49,8 +49,11 @@ def _paper(args: Any) -> int:
     begin = time.perf_counter()
     scale = (QUICK if args.quick else Scale())._replace(seed=args.seed)
     result: dict[str, Any] = {
-        "schema": SCHEMA, "version": __version__, "quick": args.quick, "scale": scale._asdict(),
-    }  # fmt: skip
+        "schema": SCHEMA,
+        "version": __version__,
+        "quick": args.quick,
+        "scale": scale._asdict(),
+    }
     _tell("the printed model")
     result["contact"] = truth.contact(scale.ts)
     result["unseen"] = truth.unseen(scale.ts)

@@ -45,9 +45,14 @@ def draw(result: dict[str, Any], scale: Scale, folder: Path) -> list[Path]:
 def _legend(figure, axes, columns: int = 4) -> None:
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="outside upper left", ncols=columns, frameon=False,
-        fontsize=style.FONT_SIZE, labelcolor=style.INK,
-    )  # fmt: skip
+        handles,
+        labels,
+        loc="outside upper left",
+        ncols=columns,
+        frameon=False,
+        fontsize=style.FONT_SIZE,
+        labelcolor=style.INK,
+    )
 
 
 def _figure_9(scale: Scale):
@@ -85,9 +90,13 @@ def _runs_of(result: dict[str, Any], methods: dict[str, str], scale: Scale, titl
     for channel, label, axes in zip(("phi1", "phi2"), ("φ1", "φ2"), grid, strict=True):
         style.dress(axes)
         axes.plot(
-            scale.ts, np.asarray(getattr(truth, channel)), color=style.BAND, lw=4.0, alpha=0.7,
+            scale.ts,
+            np.asarray(getattr(truth, channel)),
+            color=style.BAND,
+            lw=4.0,
+            alpha=0.7,
             label="actual",
-        )  # fmt: skip
+        )
         for name, colour in methods.items():
             m = motion([found[name][n] for n in ORDER], OMEGA, scale.ts)
             axes.plot(scale.ts, np.asarray(getattr(m, channel)), color=colour, lw=1.2, label=name)
@@ -122,9 +131,13 @@ def _measured(result, scale: Scale, which: int):
     for channel, label, axes in zip(("phi1", "phi2"), ("φ1", "φ2"), grid, strict=True):
         style.dress(axes)
         axes.plot(
-            objective.ts, getattr(objective, channel), color=style.BAND, lw=4.0, alpha=0.7,
+            objective.ts,
+            getattr(objective, channel),
+            color=style.BAND,
+            lw=4.0,
+            alpha=0.7,
             label="measured (virtual rig)",
-        )  # fmt: skip
+        )
         for name, (key, colour) in runs.items():
             m = motion([entry[key]["x"][n] for n in ORDER], objective.omega, objective.ts)
             axes.plot(
@@ -132,8 +145,9 @@ def _measured(result, scale: Scale, which: int):
             )
         axes.set_ylabel(f"{label} [rad]")
         axes.margins(x=0.0)
-    style.title(grid[0], f"identification {which + 1}; the paper's ended at y = "
-                         f"{section_5_2.PAPER[which]}")  # fmt: skip
+    style.title(
+        grid[0], f"identification {which + 1}; the paper's ended at y = {section_5_2.PAPER[which]}"
+    )
     grid[-1].set_xlabel("time [s]")
     _legend(figure, grid[0])
     return figure
@@ -151,13 +165,22 @@ def _progress(result):
             colour = COLOURS[row["method"]]
             if row["history"]["y"]:
                 axes.plot(
-                    row["history"]["evaluation"], np.maximum(row["history"]["y"], LEAST),
-                    color=colour, lw=1.4, label=row["method"],
-                )  # fmt: skip
+                    row["history"]["evaluation"],
+                    np.maximum(row["history"]["y"], LEAST),
+                    color=colour,
+                    lw=1.4,
+                    label=row["method"],
+                )
             axes.plot(
-                row["evaluations"], max(row["y"], LEAST), marker="o", ms=6, mew=0.0, color=colour,
-                ls="", label=None if row["history"]["y"] else row["method"],
-            )  # fmt: skip
+                row["evaluations"],
+                max(row["y"], LEAST),
+                marker="o",
+                ms=6,
+                mew=0.0,
+                color=colour,
+                ls="",
+                label=None if row["history"]["y"] else row["method"],
+            )
         axes.set(xscale="log", yscale="log")
         axes.set_xlabel("evaluations of the whole recording")
         style.title(axes, title)
@@ -178,16 +201,24 @@ def _seen(result):
         sizes = [max(y[n] or 0.0, LEAST) for n in ORDER]
         clear = [s > seen["detectable"] for s in sizes]
         axes.barh(
-            range(len(ORDER)), sizes, height=0.66, lw=0.0,
+            range(len(ORDER)),
+            sizes,
+            height=0.66,
+            lw=0.0,
             color=[style.AFTER if c else style.BAND for c in clear],
-        )  # fmt: skip
+        )
         axes.axvline(seen["detectable"], color=style.INK, lw=1.0, ls=(0, (2, 2)))
         for i, n in enumerate(ORDER):
             if not y[n]:
                 axes.annotate(
-                    "0", (LEAST, i), (4, 0), textcoords="offset points", va="center",
-                    fontsize=style.FONT_SIZE, color=style.INK,
-                )  # fmt: skip
+                    "0",
+                    (LEAST, i),
+                    (4, 0),
+                    textcoords="offset points",
+                    va="center",
+                    fontsize=style.FONT_SIZE,
+                    color=style.INK,
+                )
         axes.set(xscale="log", xlim=(LEAST, 1.0))
         axes.set_yticks(range(len(ORDER)), ORDER)
         axes.set_xlabel("y of (17) for 10 % [rad²]; dashed: seen in noise of 1 mrad")

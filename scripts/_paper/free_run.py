@@ -37,13 +37,18 @@ def search(objective: Objective, start, evaluations: int) -> Searched:
             x = start.copy()
             x[where] = start[where] * np.exp(u)
             model = presets.double_pendulum(
-                **dict(zip(ORDER, x.tolist(), strict=True)), omega=objective.omega,
-                eps=PAPER_EPS, reaction=PRINTED_REACTION,
-            )  # fmt: skip
+                **dict(zip(ORDER, x.tolist(), strict=True)),
+                omega=objective.omega,
+                eps=PAPER_EPS,
+                reaction=PRINTED_REACTION,
+            )
             found = sensitivities(
-                model, objective.ts, by=[PLACES[n] for n in FREE], tolerance=TOLERANCE,
+                model,
+                objective.ts,
+                by=[PLACES[n] for n in FREE],
+                tolerance=TOLERANCE,
                 max_steps=MAX_STEPS,
-            )  # fmt: skip
+            )
             objective.evaluations += 1
             objective.history.append(objective.of(found.motion))
             residual = np.concatenate(
@@ -59,9 +64,15 @@ def search(objective: Objective, start, evaluations: int) -> Searched:
 
     begin = time.perf_counter()
     found = least_squares(
-        lambda u: at(u)[0], np.zeros(len(FREE)), jac=lambda u: at(u)[1],
-        bounds=(-WIDEST, WIDEST), max_nfev=evaluations, xtol=1e-12, ftol=1e-12, gtol=1e-14,
-    )  # fmt: skip
+        lambda u: at(u)[0],
+        np.zeros(len(FREE)),
+        jac=lambda u: at(u)[1],
+        bounds=(-WIDEST, WIDEST),
+        max_nfev=evaluations,
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-14,
+    )
     seconds = time.perf_counter() - begin
     x = start.copy()
     x[where] = start[where] * np.exp(found.x)

@@ -36,9 +36,11 @@ def search(objective: Objective, start, iterations: int) -> Searched:
     objective = objective.fresh()
     begin = time.perf_counter()
     found = minimize(
-        objective, np.asarray(start, float), method="Nelder-Mead",
+        objective,
+        np.asarray(start, float),
+        method="Nelder-Mead",
         options={"maxiter": iterations, "maxfev": 3 * iterations + 50, "xatol": 0.0, "fatol": 0.0},
-    )  # fmt: skip
+    )
     seconds = time.perf_counter() - begin
     best = np.minimum.accumulate(objective.history).tolist()
     return Searched(

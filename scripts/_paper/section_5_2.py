@@ -26,8 +26,11 @@ def run(scale: Scale, tell) -> dict[str, Any]:
     """Both identifications, each of a recording of its own."""
     recordings = measured(scale)
     out: dict[str, Any] = {
-        "effects": EFFECTS, "omega": OMEGA, "paper_y": PAPER, "identifications": [],
-    }  # fmt: skip
+        "effects": EFFECTS,
+        "omega": OMEGA,
+        "paper_y": PAPER,
+        "identifications": [],
+    }
     for i, objective in enumerate(recordings):
         tell(f"Section 5.2, identification {i + 1}: Nelder-Mead")
         found = nelder_mead.search(objective, LISTING_START, scale.thousands)

@@ -9,7 +9,12 @@ import numpy as np
 
 from scripts._paper.nelder_mead import Searched
 from scripts._paper.objective import ORDER, Objective
-from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import (
+    PreparedCampaign,
+    fit_over_schedule,
+    initial_values,
+    prepare_campaign,
+)
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.problem import Problem
 from tp_jax.recordings import Campaign, Recording
@@ -22,21 +27,38 @@ def campaign_of(name: str, B1: float, objectives: Sequence[Objective]) -> Campai
     """Forced recordings as a campaign; B1 is what is believed of the column [kg m^2]."""
     runs = [
         Recording(
-            name=f"{name}-{i + 1}", label=f"{name}-{i + 1}", file=Path(f"{name}-{i + 1}"), t=o.ts,
-            phi1=o.phi1, phi2=o.phi2, drive=None, forced=True, omega=o.omega, span=None,
-            start=None, repeat=None, held_out=False, sha256="",
+            name=f"{name}-{i + 1}",
+            label=f"{name}-{i + 1}",
+            file=Path(f"{name}-{i + 1}"),
+            t=o.ts,
+            phi1=o.phi1,
+            phi2=o.phi2,
+            drive=None,
+            forced=True,
+            omega=o.omega,
+            span=None,
+            start=None,
+            repeat=None,
+            held_out=False,
+            sha256="",
         )
         for i, o in enumerate(objectives)
-    ]  # fmt: skip
+    ]
     return Campaign(
-        name=name, model="double", B1=B1, B2=None, k=None, sample_rate=None,
-        recordings=tuple(runs), folder=Path(),
-    )  # fmt: skip
+        name=name,
+        model="double",
+        B1=B1,
+        B2=None,
+        k=None,
+        sample_rate=None,
+        recordings=tuple(runs),
+        folder=Path(),
+    )
 
 
 def search(
     objectives: Sequence[Objective], B1: float, start=None, judged_by: Objective | None = None
-) -> tuple[Searched, Fit, Setting]:
+) -> tuple[Searched, Fit, PreparedCampaign]:
     """Windows that grow; the printed model.
 
     Args:
@@ -46,16 +68,16 @@ def search(
         judged_by: what y is reported for; the first recording if None.
     """
     setting = prepare_campaign(campaign_of("paper", B1, objectives), model="paper", effects=())
-    values, ladder = initial_values(setting), None
+    values, schedule = initial_values(setting), None
     if start is not None:
         shortest = min(float(o.ts[-1] - o.ts[0]) for o in objectives)
-        ladder = (*(h for h in LADDER if h < 0.5 * shortest), shortest)
+        schedule = (*(h for h in LADDER if h < 0.5 * shortest), shortest)
         names = dict(zip(ORDER, np.asarray(start, float).tolist(), strict=True))
         given = {n: v for n, v in names.items() if n not in ("B1", "Ts2")}
         values = values.replace(given | {"phase": 0.0, "zero1": 0.0})
     begin = time.perf_counter()
     with counted() as calls:
-        fit = grow(setting, values, setting.unknowns(), horizons=ladder)
+        fit = fit_over_schedule(setting, values, setting.unknowns(), horizons=schedule)
     seconds = time.perf_counter() - begin
     x = np.array([fit.values.get(n) for n in ORDER])
     y = (judged_by or objectives[0]).of_x(x)

@@ -34,8 +34,13 @@ def _parser() -> Parser:
     looks = commands.add_parser("look", help="save the screens that are not there yet; resumes")
     looks.set_defaults(run=_look)
     counts = commands.add_parser("table", help="count, from the saved screens alone")
-    counts.add_argument("--page", metavar="F", nargs="?", const=str(PAGE),
-                        help="gets the counts in their place (default docs/scale.md)")  # fmt: skip
+    counts.add_argument(
+        "--page",
+        metavar="F",
+        nargs="?",
+        const=str(PAGE),
+        help="gets the counts in their place (default docs/scale.md)",
+    )
     counts.set_defaults(run=_table)
     for each in (looks, counts):
         add_ledger(each, LEDGER)

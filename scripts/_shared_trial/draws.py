@@ -28,9 +28,16 @@ MOST_TIED = 3
 """Members of a group of effects that cannot be told apart, up to which naming one is right."""
 
 EFFECTS = (
-    "bearing_drag", "bearing_stribeck", "column_tilt", "contact_asymmetry", "contact_stribeck",
-    "drive_harmonics", "sensor1_eccentricity", "spring_asymmetry", "spring_hardening",
-)  # fmt: skip
+    "bearing_drag",
+    "bearing_stribeck",
+    "column_tilt",
+    "contact_asymmetry",
+    "contact_stribeck",
+    "drive_harmonics",
+    "sensor1_eccentricity",
+    "spring_asymmetry",
+    "spring_hardening",
+)
 """Effects that are drawn: of all places, each with amplitudes for the whole rig."""
 
 NOTHING, OWN = "nothing", "each rig an effect of its own"
@@ -131,8 +138,9 @@ def half_detectable(rigs: Sequence[RigScores], key: Key, rng: np.random.Generato
     direction = rng.standard_normal(len(size)) / size
     limits = np.stack([rig.limits[rig.by_key[key].columns] for rig in mine])
     low, high = limits[:, :, 0].max(axis=0), limits[:, :, 1].min(axis=0)
-    direction = np.where(low == 0.0, abs(direction), np.where(high == 0.0, -abs(direction),
-                                                              direction))  # fmt: skip
+    direction = np.where(
+        low == 0.0, abs(direction), np.where(high == 0.0, -abs(direction), direction)
+    )
     known = np.median([direction @ V @ direction for V in every])
     return PART * np.sqrt(needed_noncentrality(len(size), tests) / known) * direction
 

@@ -95,23 +95,38 @@ def look(fleet: int, rig: int, version: str, folder: Path) -> Row:
     with tempfile.TemporaryDirectory() as place:
         campaign = Path(place) / "rig"
         make_campaign(
-            campaign, parameters, {effect: sizes} if effect else {}, shapes=shapes, runs=RUNS,
-            rate=RATE, duration=DURATION, noise=NOISE, seed=seed,
-        )  # fmt: skip
+            campaign,
+            parameters,
+            {effect: sizes} if effect else {},
+            shapes=shapes,
+            runs=RUNS,
+            rate=RATE,
+            duration=DURATION,
+            noise=NOISE,
+            seed=seed,
+        )
         begin = time.process_time()
         _, fit, seen, structure = first_screen(campaign)
     best = {s.id: s for s in seen.best()}
     tests = len(best)
     size = detectable(best[effect], tests, fit.chi2_dof) if effect in best else None
     tied = [
-        id for id, s in best.items()
+        id
+        for id, s in best.items()
         if effect in best and id != effect and cosine(seen, s, best[effect]) > TIED
-    ]  # fmt: skip
+    ]
     name = f"rig-{rig:02d}"
     write(file_of(folder, fleet, rig), rig_scores(name, seen, (), SEED_OF_DRAWS))
     return Row(
-        fleet, rig, version, effect, sizes,
+        fleet,
+        rig,
+        version,
+        effect,
+        sizes,
         None if size is None else round(float(np.linalg.norm(sizes)) / size, 3),
-        structure.p, seen.best()[0].id, tuple(tied), round(fit.chi2_dof, 4),
+        structure.p,
+        seen.best()[0].id,
+        tuple(tied),
+        round(fit.chi2_dof, 4),
         round(time.process_time() - begin, 1),
-    )  # fmt: skip
+    )

@@ -26,11 +26,12 @@ def counted(screens: Path, ledger: Path, version: str) -> str:
     """
     fleets = {
         fleet: [
-            scores for rig in range(1, RIGS + 1)
+            scores
+            for rig in range(1, RIGS + 1)
             if (scores := read(file_of(screens, fleet, rig))) is not None
         ]
         for fleet in range(1, len(FLEETS) + 1)
-    }  # fmt: skip
+    }
     whole = {fleet: rigs for fleet, rigs in fleets.items() if len(rigs) == RIGS}
     most = max(fleets.values(), key=len)
     if len(most) < POLICY.shared.rigs:
@@ -62,9 +63,12 @@ def share(said: Iterable[bool]) -> str:
 
 def _of_draws(drawn: Sequence[Drawn]) -> str:
     heads = (
-        "the rigs share", "right", "named first as the kind's", "more named after it",
+        "the rigs share",
+        "right",
+        "named first as the kind's",
+        "more named after it",
         "shown by a rig alone",
-    )  # fmt: skip
+    )
     rows = []
     for effect in (NOTHING, OWN, *EFFECTS):
         mine = [each for each in drawn if each.effect == effect]
@@ -94,9 +98,12 @@ def _alone(drawn: Sequence[Drawn]) -> list[bool]:
 
 def _of_fleets(fleets: dict[int, list[RigScores]], lines: Sequence[dict[str, Any]]) -> str:
     heads = (
-        "the rigs share", "size over a rig's detectable one", "named as the kind's",
-        "as a rig's own", "shown by a rig alone",
-    )  # fmt: skip
+        "the rigs share",
+        "size over a rig's detectable one",
+        "named as the kind's",
+        "as a rig's own",
+        "shown by a rig alone",
+    )
     rows = []
     for fleet, rigs in fleets.items():
         effect = FLEETS[fleet - 1] or ""
@@ -104,10 +111,15 @@ def _of_fleets(fleets: dict[int, list[RigScores]], lines: Sequence[dict[str, Any
         multiples = sorted(each["multiple"] for each in mine if each["multiple"] is not None)
         sizes = f"{multiples[0]:.2g} to {multiples[-1]:.2g}" if multiples else "–"
         found = shared_effects(rigs, SEED_OF_DRAWS)
-        rows.append((
-            effect or NOTHING, sizes, _effects(found, kind=True),
-            _effects(found, kind=False), share(_seen_alone(each, effect) for each in mine),
-        ))  # fmt: skip
+        rows.append(
+            (
+                effect or NOTHING,
+                sizes,
+                _effects(found, kind=True),
+                _effects(found, kind=False),
+                share(_seen_alone(each, effect) for each in mine),
+            )
+        )
     return markdown.table(heads, rows)
 
 

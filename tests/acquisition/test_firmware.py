@@ -29,10 +29,19 @@ def compiled(tmp_path_factory):
         sketch = FIRMWARE / name / f"{name}.ino"
         words = ["g++", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unused-const-variable"]
         subprocess.run(
-            [*words, *options, "-include", str(HERE / "arduino.h"), "-x", "c++", str(sketch),
-             "-o", str(program)],
+            [
+                *words,
+                *options,
+                "-include",
+                str(HERE / "arduino.h"),
+                "-x",
+                "c++",
+                str(sketch),
+                "-o",
+                str(program),
+            ],
             check=True,
-        )  # fmt: skip
+        )
         return program
 
     return compile_

@@ -80,8 +80,14 @@ def test_nothing_is_lost(tmp_path):
     assert meta["command"] == ["me"]
     assert meta["calibration"]["phi1"]["offset"] == SENSORS[1][0]
     assert 1e-4 < meta["calibration"]["phi1"]["standard_error"]["largest"] < 1e-3
-    assert abs(time.time() - time.mktime(time.strptime(meta["started"][:19], "%Y-%m-%dT%H:%M:%S"))
-               + time.timezone) < 60  # fmt: skip
+    assert (
+        abs(
+            time.time()
+            - time.mktime(time.strptime(meta["started"][:19], "%Y-%m-%dT%H:%M:%S"))
+            + time.timezone
+        )
+        < 60
+    )
     assert load_campaign(out, omega=13.09).recordings[0].n == 10001
 
 
@@ -166,9 +172,10 @@ def test_a_cable_out_further_on(tmp_path, monkeypatch):
     with emulated(speed=2.0) as rig:
         carry, begin = rig._line.carry, time.monotonic()
         monkeypatch.setattr(
-            rig._line, "carry",
+            rig._line,
+            "carry",
             lambda data: b"" if 0.6 < time.monotonic() - begin < 1.8 else carry(data),
-        )  # fmt: skip
+        )
         done = record(port_of(rig), out, Settings(6.0, omega=13.09, patience=0.4))
     assert done.state == "complete"
     (gap,) = done.metadata["gaps"]
@@ -284,8 +291,11 @@ def test_volts_as_text(tmp_path):
     with emulated(speed=2.0, rate=250.0, text=True, omega=5.0) as rig:
         done = record(port_of(rig), tmp_path / "a.csv", Settings(1.0, calibration=both))
         with pytest.raises(InputError, match=r"has no \[phi2\]"):
-            record(port_of(rig), tmp_path / "b.csv",
-                   Settings(1.0, calibration=Calibration({"phi1": line}, "rig.toml")))  # fmt: skip
+            record(
+                port_of(rig),
+                tmp_path / "b.csv",
+                Settings(1.0, calibration=Calibration({"phi1": line}, "rig.toml")),
+            )
     rows = table(done.path)
     np.testing.assert_allclose(rows[:, 1], (0.6 * np.sin(5.0 * rows[:, 0]) - 0.1) / 2.0, atol=0.004)
     assert done.metadata["calibration"]["phi1"]["standard_error"]["largest"] == pytest.approx(0.005)

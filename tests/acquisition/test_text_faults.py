@@ -63,8 +63,9 @@ def board(line):
 def recorded(line, out, capsys, duration="1"):
     """Exit code, times, and what was printed and complained of."""
     with board(line) as port:
-        code = main(["record", "--port", port, "--duration", duration, "--patience", "1",
-                     "--out", str(out)])  # fmt: skip
+        code = main(
+            ["record", "--port", port, "--duration", duration, "--patience", "1", "--out", str(out)]
+        )
     told = capsys.readouterr()
     return code, read_columns(out).values["t"] if out.exists() else None, told.out, told.err
 
@@ -81,14 +82,16 @@ def counted(count):
     ("line", "said"),
     [
         (lambda t: printed((4294.967296 - 0.5 + t) % 4294.967296), "wrapped at"),
-        (lambda t: printed((2147.483648 - 0.5 + t + 2147.483648) % 4294.967296 - 2147.483648),
-         "wrapped at"),
+        (
+            lambda t: printed((2147.483648 - 0.5 + t + 2147.483648) % 4294.967296 - 2147.483648),
+            "wrapped at",
+        ),
         (lambda t: counted(round(1e6 * t)), "times are microseconds; they are written in seconds"),
         (lambda t: counted(round(1e3 * t)), "times are milliseconds; they are written in seconds"),
         (lambda t: counted(round(1e6 * t + 2**31 - 1.2e6 + 2**31) % 2**32 - 2**31), "wrapped at"),
         (lambda t: counted(round(1e3 * t + 2**32 - 1.2e3) % 2**32), "wrapped at"),
     ],
-)  # fmt: skip
+)
 def test_counters_that_wrap_or_are_no_seconds(line, said, tmp_path, capsys):
     out = tmp_path / "run.csv"
     code, t, told, fault = recorded(line, out, capsys, "1.5")

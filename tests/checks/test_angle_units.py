@@ -11,8 +11,12 @@ from tp_jax.recordings import load_campaign
 OMEGAS = {"w8.csv": 8.0, "w13.csv": 13.09, "w18.csv": 18.0}
 RIDERS = {"w8.csv": 0.0, "w13.csv": 1.0, "w18.csv": 1.0}  # it sticks in the first
 PER_RAD = {
-    "deg": 180.0 / np.pi, "gon": 200.0 / np.pi, "mrad": 1000.0, "turn": 0.5 / np.pi, "rad": 1.0,
-}  # fmt: skip
+    "deg": 180.0 / np.pi,
+    "gon": 200.0 / np.pi,
+    "mrad": 1000.0,
+    "turn": 0.5 / np.pi,
+    "rad": 1.0,
+}
 NAMES = {"deg": "degrees", "gon": "gons", "mrad": "milliradians", "turn": "turns", "rad": "radians"}
 
 

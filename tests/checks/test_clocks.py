@@ -72,11 +72,13 @@ COUNTERS = {
     "millis, 16 bits": ("millis", (MILLIS + 6e4) % 65536.0, "wrap = 65536"),
     "micros in seconds": ("t", (T + 4294.967296 - 3.0) % 4294.967296, "wrap = 4294.967296"),
     "micros in seconds, signed": (
-        "t", signed(T + 2147.483648 - 3.0, 4294.967296), "wrap = 4294.967296",
+        "t",
+        signed(T + 2147.483648 - 3.0, 4294.967296),
+        "wrap = 4294.967296",
     ),
     "micros in whole ms": ("millis", (MILLIS + 4294967.0 - 3e3) % 4294967.296 // 1, "4294967.296"),
     "seconds of a day": ("t", (T + 86395.0) % 86400.0, "wrap = 86400"),
-}  # fmt: skip
+}
 
 
 def cells_of(x: np.ndarray) -> list[str]:

@@ -29,10 +29,19 @@ def note(folder) -> str:
 
 # samples a second, decimals, and the greatest error of a time that is left, but for one of all [s]
 KINDS = [
-    (250.0, 2, 1e-5), (200.0, 2, 2e-4), (333.0, 2, 1e-4), (60.0, 2, 1e-5), (128.0, 2, 1e-4),
-    (250.0, 1, 1e-4), (50.0, 1, 1e-4), (2000.0, 3, 2e-5), (1500.0, 3, 1e-5), (300.0, 3, 1e-5),
-    (240.7, 3, 1e-5), (250.0, 0, 2e-3),
-]  # fmt: skip
+    (250.0, 2, 1e-5),
+    (200.0, 2, 2e-4),
+    (333.0, 2, 1e-4),
+    (60.0, 2, 1e-5),
+    (128.0, 2, 1e-4),
+    (250.0, 1, 1e-4),
+    (50.0, 1, 1e-4),
+    (2000.0, 3, 2e-5),
+    (1500.0, 3, 1e-5),
+    (300.0, 3, 1e-5),
+    (240.7, 3, 1e-5),
+    (250.0, 0, 2e-3),
+]
 
 
 @pytest.mark.parametrize(("rate", "decimals", "within"), KINDS)
@@ -86,12 +95,15 @@ def test_other_ways_to_round(style, tmp_path):
         "since 1970": ([f"{x + 1764151200.0:.2f}" for x in T], "", 1e-4),
         "in ms": (
             [f"{10.0 * round(100.0 * x):.0f}" for x in T],
-            '[format.columns]\nt = { unit = "ms" }', 1e-4,
+            '[format.columns]\nt = { unit = "ms" }',
+            1e-4,
         ),
         "whole seconds of a clock": (
-            [f"10:15:{int(x) + 30:02d}" for x in T], "", 2e-3,
+            [f"10:15:{int(x) + 30:02d}" for x in T],
+            "",
+            2e-3,
         ),
-    }[style]  # fmt: skip
+    }[style]
     write_rows(tmp_path / "a.csv", "t,phi1,phi2", cells, A, B)
     write_toml(tmp_path, {"a.csv": OMEGA}, form)
     assert "times are rounded" in note(tmp_path)

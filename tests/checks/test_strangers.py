@@ -83,30 +83,48 @@ def counts(angle: np.ndarray) -> np.ndarray:
 # What was done to the columns, what is said of it, and the [format.columns] that mends it
 SPOILT = {
     "milliseconds": (
-        lambda t, a, b: (1e3 * t, a, b), 'unit = "ms"', {"t": ", unit = 'ms'"}, 1e-6,
+        lambda t, a, b: (1e3 * t, a, b),
+        'unit = "ms"',
+        {"t": ", unit = 'ms'"},
+        1e-6,
     ),
     "microseconds": (
-        lambda t, a, b: (1e6 * t, a, b), 'unit = "us"', {"t": ", unit = 'us'"}, 1e-6,
+        lambda t, a, b: (1e6 * t, a, b),
+        'unit = "us"',
+        {"t": ", unit = 'us'"},
+        1e-6,
     ),
     "degrees": (
-        lambda t, a, b: (t, np.degrees(a), np.degrees(b)), 'unit = "deg"',
-        {"a": ", unit = 'deg'", "b": ", unit = 'deg'"}, 1e-6,
+        lambda t, a, b: (t, np.degrees(a), np.degrees(b)),
+        'unit = "deg"',
+        {"a": ", unit = 'deg'", "b": ", unit = 'deg'"},
+        1e-6,
     ),
     "an encoder in radians that starts anew": (
-        lambda t, a, b: (t, a % TURN, b % TURN), "wrap = true", 
-        {"a": ", wrap = true", "b": ", wrap = true"}, 1e-6,
+        lambda t, a, b: (t, a % TURN, b % TURN),
+        "wrap = true",
+        {"a": ", wrap = true", "b": ", wrap = true"},
+        1e-6,
     ),
     "counts that start anew": (
-        lambda t, a, b: (t, counts(a), counts(b)), "wrap = true, counts = 4096",
-        {"a": ", wrap = true, counts = 4096", "b": ", wrap = true, counts = 4096"}, 5e-3,
+        lambda t, a, b: (t, counts(a), counts(b)),
+        "wrap = true, counts = 4096",
+        {"a": ", wrap = true, counts = 4096", "b": ", wrap = true, counts = 4096"},
+        5e-3,
     ),
     "the rider against the base": (
-        lambda t, a, b: (t, a, a + b), 'minus = "phi1"', {"b": ", minus = 'phi1'"}, 1e-6,
+        lambda t, a, b: (t, a, a + b),
+        'minus = "phi1"',
+        {"b": ", minus = 'phi1'"},
+        1e-6,
     ),
     "a mirrored rider": (
-        lambda t, a, b: (t, a, -b), "scale = -1", {"b": ", scale = -1"}, 1e-6,
+        lambda t, a, b: (t, a, -b),
+        "scale = -1",
+        {"b": ", scale = -1"},
+        1e-6,
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("what", SPOILT)

@@ -62,8 +62,15 @@ def test_both_sensors(runs, tmp_path, capsys):
 
 def test_one_file_with_both_and_in_degrees(runs, tmp_path):
     sine, cosine = bridges(1.65, 2.6)
-    file = write(tmp_path / "d.csv", np.pi / 180.0, phi1=KNOWN, sine1=sine, phi2=KNOWN,
-                 sine2=sine, cosine2=cosine)  # fmt: skip
+    file = write(
+        tmp_path / "d.csv",
+        np.pi / 180.0,
+        phi1=KNOWN,
+        sine1=sine,
+        phi2=KNOWN,
+        sine2=sine,
+        cosine2=cosine,
+    )
     out, other = str(tmp_path / "d.toml"), str(tmp_path / "r.toml")
     assert main(["calibrate", file, "--degrees", "--quiet", "--out", out]) == 0
     found = read_calibration(out).sensors

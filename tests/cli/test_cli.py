@@ -182,9 +182,12 @@ def test_a_bad_argument_is_told_before_jax_is_loaded(argv, tmp_path):
         "assert code == 2, code; assert 'jax' not in sys.modules"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, *argv], capture_output=True, text=True, cwd=tmp_path,
+        [sys.executable, "-c", code, *argv],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("tp-jax: ")
     assert done.stderr.count("\n") == 1

@@ -137,8 +137,11 @@ def test_faults_are_told_in_one_sentence(more, part, tmp_path, capsys, monkeypat
 def test_help_loads_nothing_heavy():
     done = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "tp_jax", "explore", "--help"],
-        check=True, capture_output=True, text=True, cwd=ROOT,
-    )  # fmt: skip
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+    )
     loaded = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.split("\n")}
     assert loaded.isdisjoint({"jax", "numpy", "scipy", "rich", "serial"})
 

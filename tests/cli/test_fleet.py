@@ -54,8 +54,14 @@ def test_names_differ_and_name_folders(tmp_path):
         path.mkdir(parents=True)
     runs = [tmp_path / "run 1.csv", tmp_path / "run 1.txt"]
     assert names_of([*paths, *runs]) == [
-        "rig", "rig-2", "Rig-3", "pieces-2", "ö-2", "run-1", "run-1-2",
-    ]  # fmt: skip
+        "rig",
+        "rig-2",
+        "Rig-3",
+        "pieces-2",
+        "ö-2",
+        "run-1",
+        "run-1-2",
+    ]
 
 
 def test_a_fleet_leaves_a_table_a_page_and_a_folder_for_each_rig(here, capsys):
@@ -72,8 +78,10 @@ def test_a_fleet_leaves_a_table_a_page_and_a_folder_for_each_rig(here, capsys):
     assert set(rows) == set(OK)
     first = rows["explained-1"]
     assert (first["cause"], first["location"], first["channel"]) == (
-        "contact_stribeck", "contact", "contact",
-    )  # fmt: skip
+        "contact_stribeck",
+        "contact",
+        "contact",
+    )
     assert (first["parameter"], first["value"], first["shrink"]) == ("strength", 0.58, 0.98)
     assert (first["value_low"], first["value_high"]) == (0.55, 0.61)
     assert first["confused_with"] == "contact_presliding"
@@ -132,9 +140,13 @@ def test_a_resumed_fleet_does_what_is_left_and_what_has_changed(here):
     Path("rigs/no_gap-1/run.csv").write_text("t,phi1\n0,0\n")  # other data
     assert main([*words, "--resume"]) == 2
     assert begun(here) == {
-        "explained-1": 1, "explained-2": 1, "faulty-1": 2, "no_gap-1": 2, "single-1": 1,
+        "explained-1": 1,
+        "explained-2": 1,
+        "faulty-1": 2,
+        "no_gap-1": 2,
+        "single-1": 1,
         "unknown-1": 1,
-    }  # fmt: skip
+    }
     assert json.loads(Path("out/fleet.json").read_text())["rigs"] == before
     assert main(words) == 2, "without --resume all is done anew"
     assert set(begun(here).values()) == {2, 3}

@@ -61,9 +61,13 @@ def test_all_options(asked):
     assert main(argv) == 0
     del asked[0]["model"], asked[0]["method"], asked[0]["fix"], asked[0]["bound"], asked[0]["seed"]
     assert asked[0] == {
-        "objective": "free-run", "loss": "huber", "noise": "fit", "raw_starts": True,
-        "sampling": "latin-hypercube", "iterations": 9,
-    }  # fmt: skip
+        "objective": "free-run",
+        "loss": "huber",
+        "noise": "fit",
+        "raw_starts": True,
+        "sampling": "latin-hypercube",
+        "iterations": 9,
+    }
 
 
 @pytest.mark.parametrize("method", command.METHODS)

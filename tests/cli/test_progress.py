@@ -53,8 +53,10 @@ def test_json_is_an_object_a_line(capsys, quiet):
     lines = [json.loads(line) for line in told.err.splitlines()]
     assert told.out == ""
     assert [line["stage"] for line in lines] == [
-        "preparing", "refitting: é, 1 of 2", "refitting: b, 2 of 2",
-    ]  # fmt: skip
+        "preparing",
+        "refitting: é, 1 of 2",
+        "refitting: b, 2 of 2",
+    ]
     assert [line["part"] for line in lines] == [None, 0.0, 0.5]
     assert all(list(line) == ["stage", "part", "elapsed_s", "left_s"] for line in lines)
     assert all(line["elapsed_s"] >= 0.0 and line["left_s"] is None for line in lines)
@@ -77,9 +79,10 @@ def test_lines_of_text_keep_their_distance(monkeypatch):
     for now.now in (0.0, 1.0, 9.9, 10.0, 12.0, 19.9, 25.0):
         report("fitting: a", now.now / 100.0)
     assert stream.getvalue().splitlines() == [
-        "0:00  fitting: a, 0 %", "0:10  fitting: a, 10 %, 1:30 left",
+        "0:00  fitting: a, 0 %",
+        "0:10  fitting: a, 10 %, 1:30 left",
         "0:25  fitting: a, 25 %, 1:15 left",
-    ]  # fmt: skip
+    ]
 
 
 def test_the_time_left_is_that_of_the_stage():

@@ -165,8 +165,11 @@ def test_faults_are_told_in_one_sentence(argv, part, capsys, tmp_path, monkeypat
 def test_help_loads_nothing_heavy(command):
     done = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "tp_jax", *command, "--help"],
-        check=True, capture_output=True, text=True, cwd=ROOT,
-    )  # fmt: skip
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+    )
     loaded = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.split("\n")}
     assert "tp_jax" in loaded
     assert loaded.isdisjoint({"jax", "numpy", "scipy", "rich", "serial"})
@@ -189,8 +192,11 @@ def test_interrupting(impatient, tmp_path):
     words = [sys.executable, "-m", "tp_jax", "record", "--port", "emulator"]
     with running(
         [*words, "--duration", "60", "--omega", "10", "--out", str(out)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT,
-    ) as child:  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+    ) as child:
         until(lambda: child.poll() is not None or (out.exists() and out.stat().st_size > 1000))
         assert child.poll() is None
         child.send_signal(signal.SIGINT)

@@ -147,9 +147,12 @@ def _diagnosis(tmp_path, name, k, causes):
 
 
 CAUSE = {
-    "effect": "contact_stribeck", "location": "contact", "probability": 0.99, "shrink": 0.9,
+    "effect": "contact_stribeck",
+    "location": "contact",
+    "probability": 0.99,
+    "shrink": 0.9,
     "parameters": {"a": {"value": 0.5, "unit": "1", "ci95": [0.4, 0.6]}},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("k", "star"), [(0.45, False), (0.48, True)])

@@ -16,9 +16,13 @@ from tp_jax.model.pendulum import DoubleTorsionPendulum
 from tp_jax.simulation import simulate
 
 IDS = (
-    "base_compliance", "bearing_presliding", "column_cable", "contact_presliding",
-    "drive_backlash", "spring_hysteresis",
-)  # fmt: skip
+    "base_compliance",
+    "bearing_presliding",
+    "column_cable",
+    "contact_presliding",
+    "drive_backlash",
+    "spring_hysteresis",
+)
 
 #: Both bodies reverse, and no slip of the rider is a near thing.
 OMEGA = 22.0
@@ -85,9 +89,15 @@ def _direction(id: str, constants: tuple[float, ...], omega: float) -> np.ndarra
     field, n = _field(id), 4 + effect(id).n_states
     numbers = jnp.asarray(omega), tuple(jnp.asarray(x) for x in constants)
     found = odeint(
-        lambda t, y: np.asarray(field(t, y, *numbers)), np.zeros(2 * n), TS, tfirst=True,
-        rtol=1e-8, atol=1e-10, mxstep=1_000_000, hmax=5e-3,
-    )  # fmt: skip
+        lambda t, y: np.asarray(field(t, y, *numbers)),
+        np.zeros(2 * n),
+        TS,
+        tfirst=True,
+        rtol=1e-8,
+        atol=1e-10,
+        mxstep=1_000_000,
+        hmax=5e-3,
+    )
     return found[:, n : n + 2]
 
 

@@ -128,11 +128,13 @@ def test_a_delay_compiles_nothing(problem):
 
 def test_a_prediction_reads_it_later():
     record = dict(
-        kind="double", eps=BENCH["eps"], reaction=1.0,
+        kind="double",
+        eps=BENCH["eps"],
+        reaction=1.0,
         parameters={n: v for n, v in BENCH.items() if n not in ("eps", "omega")},
         nuisances=dict(phase=0.0, gain=GAIN, level=0.0, zero1=0.0, zero2={"run": 0.0}),
         effects={"drive_delay": {"a": DELAY}},
-    )  # fmt: skip
+    )
     drive = drive_for(record, t=TS, reading=recorded(TS, DELAY))
     inside = TS[:490]
     found = np.asarray(simulate(pendulum(record, drive), inside).phi1)

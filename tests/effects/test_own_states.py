@@ -34,9 +34,13 @@ def values(id: str, part: float, **shapes: float) -> dict[str, float]:
 
 def test_only_the_play_of_a_known_sine_needs_no_state():
     assert {id: effect(id).n_states for id in IDS} == {
-        "base_compliance": 2, "bearing_presliding": 1, "column_cable": 1,
-        "contact_presliding": 1, "drive_backlash": 0, "spring_hysteresis": 1,
-    }  # fmt: skip
+        "base_compliance": 2,
+        "bearing_presliding": 1,
+        "column_cable": 1,
+        "contact_presliding": 1,
+        "drive_backlash": 0,
+        "spring_hysteresis": 1,
+    }
 
 
 @every
@@ -139,9 +143,14 @@ def test_past_is_what_the_rates_lead_to(id):
         return jnp.stack(term.rates(m))
 
     expected = solve_ivp(
-        lambda t, z: np.asarray(rates(t, z)), (0.0, 1.0), np.zeros(n), t_eval=dense[::200],
-        rtol=1e-6, atol=1e-8, max_step=5e-3,
-    ).y  # fmt: skip
+        lambda t, z: np.asarray(rates(t, z)),
+        (0.0, 1.0),
+        np.zeros(n),
+        t_eval=dense[::200],
+        rtol=1e-6,
+        atol=1e-8,
+        max_step=5e-3,
+    ).y
     found = np.stack(term.past(motion(dense, (0.0 * dense,) * n)))
     assert found.shape == (n, dense.size)
     error = np.abs(found[:, ::200] - expected).max(axis=1)

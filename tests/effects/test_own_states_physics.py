@@ -22,9 +22,12 @@ def alone(id: str, values, **changes) -> SingleTorsionPendulum:
     double = presets.double_pendulum(**BENCH | dict(A=0.0) | changes)
     numbers = {n: jnp.asarray(float(x)) for n, x in values.items()}
     return SingleTorsionPendulum(
-        drive=double.drive, spring=double.spring, bearing=double.bearing, B1=double.B1,
+        drive=double.drive,
+        spring=double.spring,
+        bearing=double.bearing,
+        B1=double.B1,
         terms=(Applied(effect(id), numbers),),
-    )  # fmt: skip
+    )
 
 
 def frequency(ts: np.ndarray, x: np.ndarray) -> float:

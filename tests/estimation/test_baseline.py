@@ -8,7 +8,13 @@ import pytest
 from tests.reference import BENCH
 from tests.rigs import lossy, synthetic_campaign
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.baseline import _slower, few_of, grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import (
+    _slower,
+    few_of,
+    fit_over_schedule,
+    initial_values,
+    prepare_campaign,
+)
 from tp_jax.recordings import Campaign, Recording, load_campaign
 from tp_jax.rig import make_campaign
 from trials.draw import draw_rig
@@ -21,7 +27,7 @@ def setting():
 
 @pytest.fixture(scope="module")
 def fit(setting):
-    return grow(setting, initial_values(setting), setting.unknowns())
+    return fit_over_schedule(setting, initial_values(setting), setting.unknowns())
 
 
 def test_setting(setting):
@@ -41,10 +47,10 @@ def test_a_contact_that_rises_too_fast_is_sought_at_the_speeds_that_are_met(sett
     What was left of the gap passed for a contact that weakens with speed.
     """
     lost = fit.values.replace({"T0": 400.0, "Ts1": fit.values.get("Ts1") + fit.values.get("Tst")})
-    how = dict(bounds=setting.bounds, anchors=fit.anchors, max_iterations=50, relative=1e-7)
+    how = dict(bounds=setting.bounds, priors=fit.priors, max_iterations=50, relative=1e-7)
     stuck = variable_projection.fit(
         fit.problem, lost, fit.unknowns, fit.states, **{**how, "max_iterations": 0}
-    )  # fmt: skip
+    )
     assert stuck.cost > fit.cost + 10.0
     found = _slower(setting, stuck, how)
     assert found.cost < fit.cost + 1.0
@@ -84,7 +90,7 @@ def test_a_drive_read_far_from_zero_is_no_other_drive(tmp_path):
     fits = []
     for one in (campaign, dataclasses.replace(campaign, recordings=tuple(counts))):
         setting = prepare_campaign(one, effects=())
-        fits.append(grow(setting, initial_values(setting), setting.unknowns()))
+        fits.append(fit_over_schedule(setting, initial_values(setting), setting.unknowns()))
     fit, far = fits
     assert far.values.get("level") < -10.0
     assert far.cost == pytest.approx(fit.cost, rel=1e-3)
@@ -126,7 +132,7 @@ def test_lost_samples_change_nothing(fit):
     runs = [lossy(r, i, *lost[i]) for i, r in enumerate(campaign.recordings)]
     setting = prepare_campaign(dataclasses.replace(campaign, recordings=tuple(runs)), effects=())
     np.testing.assert_allclose(setting.sigma, 1e-3, rtol=0.1)
-    found = grow(setting, initial_values(setting), setting.unknowns())
+    found = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     assert found.converged, found.message
     assert found.chi2_dof == pytest.approx(1.0, abs=0.1)
     sd = np.sqrt(np.diag(np.linalg.inv(found.information())))
@@ -144,7 +150,7 @@ def test_a_rig_whose_rider_hardly_moves_takes_many_steps(tmp_path):
     setting = prepare_campaign(load_campaign(tmp_path / "rig"), effects=())
     start = initial_values(setting)
     assert start.get("B2") < 0.3 * parameters.B2
-    found = grow(setting, start, setting.unknowns())
+    found = fit_over_schedule(setting, start, setting.unknowns())
     assert found.converged, found.message
     assert found.values.get("B2") == pytest.approx(parameters.B2, rel=0.02)
 

@@ -22,9 +22,10 @@ def test_minimum_within_bounds(seed, damping):
     scale = np.sqrt(np.diag(H))
     found = minimize(
         lambda z: 2.0 * (g / scale) @ z + z @ (D / np.outer(scale, scale)) @ z,
-        np.zeros(5), bounds=list(zip(lower * scale, upper * scale, strict=True)),
+        np.zeros(5),
+        bounds=list(zip(lower * scale, upper * scale, strict=True)),
         options={"ftol": 1e-15, "gtol": 1e-12, "maxiter": 10_000},
-    )  # fmt: skip
+    )
     np.testing.assert_allclose(step.du * scale, found.x, rtol=1e-3, atol=1e-5)
     promise = -(2.0 * g @ step.du + step.du @ H @ step.du)
     assert step.promise == pytest.approx(promise)

@@ -75,9 +75,16 @@ def test_a_failed_write_leaves_what_was_there(tmp_path):
 def test_outcomes_survive_to_the_last_digit():
     rng = np.random.default_rng(0)
     made = Outcome(
-        rng.normal(size=3), 1.0 / 3.0, np.inf, rng.normal(size=(3, 3)), 7, True, "Done.", np.inf,
+        rng.normal(size=3),
+        1.0 / 3.0,
+        np.inf,
+        rng.normal(size=(3, 3)),
+        7,
+        True,
+        "Done.",
+        np.inf,
         rng.normal(size=(5, 4)),
-    )  # fmt: skip
+    )
     back = Outcome.from_dict(json.loads(json.dumps(made.to_dict(), allow_nan=False)))
     for name in ("x", "information", "states"):
         np.testing.assert_array_equal(getattr(back, name), getattr(made, name))
@@ -95,9 +102,15 @@ def test_numbers_that_are_none_are_kept():
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("x", [1.0]), ("x", ["a", "b"]), ("x", [[1.0], [1.0, 2.0]]), ("information", [1.0, 2.0]),
-     ("states", [1.0]), ("x", [1.0, 10**400])],
-)  # fmt: skip
+    [
+        ("x", [1.0]),
+        ("x", ["a", "b"]),
+        ("x", [[1.0], [1.0, 2.0]]),
+        ("information", [1.0, 2.0]),
+        ("states", [1.0]),
+        ("x", [1.0, 10**400]),
+    ],
+)
 def test_outcomes_that_were_edited(name, value):
     stored = Outcome.failed(np.ones(2), "Not.").to_dict() | {name: value}
     with pytest.raises(InputError, match="has other numbers than it ended with"):

@@ -48,9 +48,17 @@ def test_the_result_is_as_agreed(found):
     assert IdentificationRecord.read(result).to_dict() == result
     assert result["schema"] == "tp-jax/identify/1"
     assert {
-        "model", "method", "parameters", "objective", "chi2_dof", "noise_floor", "starts",
-        "success", "warnings", "provenance",
-    } <= set(result)  # fmt: skip
+        "model",
+        "method",
+        "parameters",
+        "objective",
+        "chi2_dof",
+        "noise_floor",
+        "starts",
+        "success",
+        "warnings",
+        "provenance",
+    } <= set(result)
     assert len(result["starts"]) == 5
     for start in result["starts"]:
         assert set(start) == {"objective", "converged", "evaluations", "message"}
@@ -64,8 +72,11 @@ def test_the_result_is_as_agreed(found):
     assert success["expected_evaluations"] > 0.0
     assert result["noise_floor"]["phi1"] == pytest.approx(1e-3, rel=0.1)
     assert result["parameters"]["B1"] == {
-        "value": BENCH["B1"], "unit": "kg m^2", "ci95": None, "identifiable": True,
-    }  # fmt: skip
+        "value": BENCH["B1"],
+        "unit": "kg m^2",
+        "ci95": None,
+        "identifiable": True,
+    }
     assert ["Ts2"] in [w["parameters"] for w in result["warnings"]]
 
 

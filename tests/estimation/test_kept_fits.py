@@ -27,9 +27,13 @@ def checkpoint_of(setting, path, resume=False, seed=0):
 
 def fitted(setting, fitter, steps=3):
     return fitter(
-        setting.problem(setting.horizons[0]), initial_values(setting), setting.unknowns(),
-        bounds=setting.bounds, anchors=setting.anchors(), max_iterations=steps,
-    )  # fmt: skip
+        setting.problem(setting.horizons[0]),
+        initial_values(setting),
+        setting.unknowns(),
+        bounds=setting.bounds,
+        priors=setting.priors(),
+        max_iterations=steps,
+    )
 
 
 def same(one, other):
@@ -40,7 +44,7 @@ def same(one, other):
         mine, others = getattr(one, part), getattr(other, part)
         for field in dataclasses.fields(mine):
             np.testing.assert_array_equal(getattr(mine, field.name), getattr(others, field.name))
-    for name in ("cost", "converged", "evaluations", "message", "anchors", "unknowns"):
+    for name in ("cost", "converged", "evaluations", "message", "priors", "unknowns"):
         assert getattr(one, name) == getattr(other, name)
 
 

@@ -38,11 +38,17 @@ class Wells:
         H = np.zeros((3, 3))
         H[0, 0] = 1e4 / np.exp(log_k) ** 2  # a hundredth is one standard error of log k
         return SimpleNamespace(
-            problem=self.problem, values=values.replace({"k": np.exp(log_k)}), unknowns=unknowns,
-            cost=cost, chi2_dof=1.0, information=lambda: H, evaluations=evaluations,
-            converged=bool(np.isfinite(cost)), message=f"From {kind}.",
+            problem=self.problem,
+            values=values.replace({"k": np.exp(log_k)}),
+            unknowns=unknowns,
+            cost=cost,
+            chi2_dof=1.0,
+            information=lambda: H,
+            evaluations=evaluations,
+            converged=bool(np.isfinite(cost)),
+            message=f"From {kind}.",
             states=np.full((2, 4), log_k),
-        )  # fmt: skip
+        )
 
     def first(self, values):
         k = np.log(values.get("k"))
@@ -54,9 +60,9 @@ class Wells:
         # ends are not quite the same
         return self._fit("first", values, end + 1e-3 * np.sin(k), 100.0 + 40.0 * (end > 0.0), 7)
 
-    def climb(self, values):
+    def run(self, values):
         k = np.log(values.get("k"))
-        return self._fit("climb", values, k, 1000.0 + 400.0 * (k > 1.5), 11)
+        return self._fit("run", values, k, 1000.0 + 400.0 * (k > 1.5), 11)
 
     def as_it_is(self, values):
         k = np.log(values.get("k"))
@@ -66,20 +72,20 @@ class Wells:
         return np.array([np.log(x[0]), *x[1:]])
 
 
-def begun(ladder, *log_k):
-    values = initial_values(ladder.setting)
+def begun(schedule, *log_k):
+    values = initial_values(schedule.setting)
     return [Start(values.replace({"k": np.exp(each)}), None) for each in log_k]
 
 
 @pytest.fixture
-def ladder():
+def schedule():
     return Wells()
 
 
-def test_starts_that_meet_go_on_as_one(ladder):
-    trials = search(begun(ladder, -1.0, 0.5, 1.0, 2.0, 2.5), ladder, progress=silent)
+def test_starts_that_meet_go_on_as_one(schedule):
+    trials = search(begun(schedule, -1.0, 0.5, 1.0, 2.0, 2.5), schedule, progress=silent)
     assert [t.end.cost for t in trials] == [1000.0] * 3 + [1400.0] * 2
-    assert ladder.calls.count("climb") == 2
+    assert schedule.calls.count("run") == 2
     assert [t.met for t in trials] == [trials[0].met] * 3 + [trials[3].met] * 2
     assert [t.alone for t in trials] == [18] * 5
     records = [t.record(i) for i, t in enumerate(trials)]
@@ -87,29 +93,29 @@ def test_starts_that_meet_go_on_as_one(ladder):
     assert len(alone) == 2
     assert [r["evaluations"] for r in records] == [18 if i in alone else 7 for i in range(5)]
     assert all(r["converged"] for r in records)
-    assert records[alone[0]]["message"] == "From climb."
+    assert records[alone[0]]["message"] == "From run."
 
 
-def test_failures_are_told(ladder):
-    trials = search(begun(ladder, 0.0, 6.0, 9.0), ladder, progress=silent)
+def test_failures_are_told(schedule):
+    trials = search(begun(schedule, 0.0, 6.0, 9.0), schedule, progress=silent)
     records = [t.record(i) for i, t in enumerate(trials)]
     assert [r["objective"] for r in records] == [1000.0, None, None]
     assert [r["converged"] for r in records] == [True, False, False]
     assert "could not be solved" in records[2]["message"]
 
 
-def test_what_is_far_worse_stays_behind(ladder, monkeypatch):
+def test_what_is_far_worse_stays_behind(schedule, monkeypatch):
     monkeypatch.setattr(multistart, "BEHIND", 0.3)
-    trials = search(begun(ladder, 0.0, 3.0), ladder, progress=silent)
+    trials = search(begun(schedule, 0.0, 3.0), schedule, progress=silent)
     assert trials[1].end.cost == 5000.0
     assert not trials[1].end.converged
     assert trials[1].record(1)["message"].startswith("Left behind")
-    assert ladder.calls.count("climb") == 1
+    assert schedule.calls.count("run") == 1
 
 
-def test_progress_is_told(ladder):
+def test_progress_is_told(schedule):
     told = []
-    search(begun(ladder, *np.linspace(0, 1, 9)), ladder, progress=lambda *a: told.append(a))
+    search(begun(schedule, *np.linspace(0, 1, 9)), schedule, progress=lambda *a: told.append(a))
     assert told == [
         ("starts, 9 in all", 0.0),
         ("starts, 9 in all", pytest.approx(4 / 9)),
@@ -131,33 +137,33 @@ def key(trials):
 def test_ctrl_c_keeps_what_is_done(tmp_path, stop_at):
     whole = search(begun(Wells(), *LOG_K), Wells(), progress=silent)
     path = tmp_path / "starts.json"
-    ladder = Wells()
-    ladder.stop_at = stop_at
+    schedule = Wells()
+    schedule.stop_at = stop_at
     kept = Checkpoint(path, {"seed": 0})
     with pytest.raises(Interrupted) as stopped:
-        search(begun(ladder, *LOG_K), ladder, checkpoint=kept, progress=silent)
+        search(begun(schedule, *LOG_K), schedule, checkpoint=kept, progress=silent)
     assert isinstance(stopped.value, KeyboardInterrupt)
     done = min(4 * ((stop_at - 1) // 4), 9) if stop_at <= 9 else 9
     assert str(stopped.value).startswith(f"Interrupted after {done} of 9 starts")
     assert "--resume" in str(stopped.value)
 
-    again, ladder = Checkpoint(path, {"seed": 0}), Wells()
+    again, schedule = Checkpoint(path, {"seed": 0}), Wells()
     if done:
         assert again.resume() >= done
-    trials = search(begun(ladder, *LOG_K), ladder, checkpoint=again, progress=silent)
-    assert ladder.calls.count("first") == 9 - done
+    trials = search(begun(schedule, *LOG_K), schedule, checkpoint=again, progress=silent)
+    assert schedule.calls.count("first") == 9 - done
     assert key(trials) == key(whole)
 
 
-def test_without_a_file_they_are_lost(ladder):
-    ladder.stop_at = 6
+def test_without_a_file_they_are_lost(schedule):
+    schedule.stop_at = 6
     with pytest.raises(Interrupted, match="which are lost"):
-        search(begun(ladder, *LOG_K), ladder, progress=silent)
+        search(begun(schedule, *LOG_K), schedule, progress=silent)
 
 
-def test_more_starts_go_on_from_fewer(tmp_path, ladder):
+def test_more_starts_go_on_from_fewer(tmp_path, schedule):
     path = tmp_path / "starts.json"
-    search(begun(ladder, *LOG_K[:4]), ladder, checkpoint=Checkpoint(path, {}), progress=silent)
+    search(begun(schedule, *LOG_K[:4]), schedule, checkpoint=Checkpoint(path, {}), progress=silent)
     again, more = Checkpoint(path, {}), Wells()
     again.resume()
     trials = search(begun(more, *LOG_K), more, checkpoint=again, progress=silent)

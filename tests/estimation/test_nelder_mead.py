@@ -64,9 +64,11 @@ def stable(monkeypatch):
 def scipy_simplex(f, start, iterations, **options):
     """SciPy's vertices and values after so many iterations; a vertex's own value, not a twin's."""
     found = scipy.optimize.minimize(
-        lambda x: float(f(jnp.asarray(x))), start, method="Nelder-Mead",
+        lambda x: float(f(jnp.asarray(x))),
+        start,
+        method="Nelder-Mead",
         options={"maxiter": iterations + 1, "maxfev": 10**9, "xatol": 0.0, "fatol": 0.0, **options},
-    )  # fmt: skip
+    )
     return found.final_simplex
 
 
@@ -130,13 +132,19 @@ def test_adaptive_coefficients_are_scipys(name):
 def test_bounds_are_scipys(start):
     low, high = np.array([-1.5, -0.5]), np.array([0.5, 2.0])
     found = scipy.optimize.minimize(
-        lambda x: float(rosenbrock(jnp.asarray(x))), start, method="Nelder-Mead",
-        bounds=Bounds(low, high), options={"xatol": 1e-8, "fatol": 1e-8},
-    )  # fmt: skip
+        lambda x: float(rosenbrock(jnp.asarray(x))),
+        start,
+        method="Nelder-Mead",
+        bounds=Bounds(low, high),
+        options={"xatol": 1e-8, "fatol": 1e-8},
+    )
     mine = optx.minimise(
-        lambda y, args: rosenbrock(y), NelderMead(atol=1e-8), jnp.asarray(start),
-        options={"lower": jnp.asarray(low), "upper": jnp.asarray(high)}, max_steps=2000,
-    )  # fmt: skip
+        lambda y, args: rosenbrock(y),
+        NelderMead(atol=1e-8),
+        jnp.asarray(start),
+        options={"lower": jnp.asarray(low), "upper": jnp.asarray(high)},
+        max_steps=2000,
+    )
     np.testing.assert_allclose(mine.value, found.x, rtol=1e-10)
     assert int(mine.stats["evaluations"]) == found.nfev
     assert int(mine.stats["iterations"]) == found.nit - 1  # SciPy counts the first simplex as one

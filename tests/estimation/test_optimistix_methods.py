@@ -9,8 +9,8 @@ from tp_jax.estimation import optimistix_methods, variable_projection
 from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import parameter
-from tp_jax.estimation.ladder import Ladder, problem_of
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.schedule import Schedule, problem_of
 from tp_jax.estimation.weak_form import WeakForm
 from tp_jax.estimation.window_residuals import window_residuals
 from tp_jax.estimation.window_states import settle
@@ -23,7 +23,7 @@ def setting():
 
 @pytest.fixture(scope="module")
 def problem(setting):
-    return problem_of(setting, Ladder(setting).rungs[0])
+    return problem_of(setting, Schedule(setting).rungs[0])
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +61,15 @@ def test_residuals_and_slopes_are_the_windows(setting, problem, reference):
     slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope)
     f = window_residuals(
-        problem, reference.values, reference.states, elim.state_gain, unknowns, specs,
-        setting.anchors(), blocks=len(problem.blocks()) + 1,
-    )  # fmt: skip
+        problem,
+        reference.values,
+        reference.states,
+        elim.state_gain,
+        unknowns,
+        specs,
+        setting.priors(),
+        blocks=len(problem.blocks()) + 1,
+    )
     at = np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
     r, J = map(np.asarray, f.evaluate(jnp.asarray(at)))
     assert (r**2).sum() == pytest.approx(lin.cost(), rel=1e-6)

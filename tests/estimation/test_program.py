@@ -20,9 +20,14 @@ def test_a_trace_for_each_group_serves_all():
     base = ("k", "A", "c1", "M1", "Ts1")
     # no directions, few, many, and every family of effects
     for slots in (
-        (), ("k",), base, ("contact_stribeck.a",), ("spring_asymmetry.a",), ("column_cable.a",),
+        (),
+        ("k",),
+        base,
+        ("contact_stribeck.a",),
+        ("spring_asymmetry.a",),
+        ("column_cable.a",),
         ("base_compliance.a",),
-    ):  # fmt: skip
+    ):
         problem.linearise(values, problem.initial_states(), slots)
     program.TRACES, kept = [], program.TRACES
     try:

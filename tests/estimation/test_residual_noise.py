@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from tests import noisy
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
 from tp_jax.estimation.residual_noise import (
     with_residual_noise,
     without_residual_noise,
@@ -56,25 +56,46 @@ def baseline(motions, noise, seed: int = 0, step: float = 0.0):
         name = f"run-{omega or 0.0:.0f}.csv"
         recordings.append(
             Recording(
-                name=name, label=name, file=Path(name), t=T, phi1=y[:, 0], phi2=y[:, 1],
-                drive=None, forced=omega is not None, omega=omega, span=None, start=None,
-                repeat=None, held_out=False, sha256="",
+                name=name,
+                label=name,
+                file=Path(name),
+                t=T,
+                phi1=y[:, 0],
+                phi2=y[:, 1],
+                drive=None,
+                forced=omega is not None,
+                omega=omega,
+                span=None,
+                start=None,
+                repeat=None,
+                held_out=False,
+                sha256="",
             )
-        )  # fmt: skip
+        )
     campaign = Campaign(
-        name="slow", model="double", B1=BENCH.B1, B2=None, k=None, sample_rate=RATE,
-        recordings=tuple(recordings), folder=Path(),
-    )  # fmt: skip
+        name="slow",
+        model="double",
+        B1=BENCH.B1,
+        B2=None,
+        k=None,
+        sample_rate=RATE,
+        recordings=tuple(recordings),
+        folder=Path(),
+    )
     setting = prepare_campaign(campaign, effects=())
-    return setting, grow(setting, initial_values(setting), setting.unknowns())
+    return setting, fit_over_schedule(setting, initial_values(setting), setting.unknowns())
 
 
 def refitted(setting, fit):
     """The same fit with another noise."""
     return fitted(
-        setting.problem(fit.problem.windows.horizon), fit.values, fit.unknowns, fit.states,
-        bounds=setting.bounds, anchors=fit.anchors,
-    )  # fmt: skip
+        setting.problem(fit.problem.windows.horizon),
+        fit.values,
+        fit.unknowns,
+        fit.states,
+        bounds=setting.bounds,
+        priors=fit.priors,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -169,7 +190,7 @@ def test_rounding_is_white(right):
 def test_rounding_that_goes_with_the_motion_lowers_no_level():
     """Seen at this seed: a level a twelfth too low, and an alarm for its size."""
     setting = prepare_campaign(noisy.campaign(noisy.coarse, 28, (100.0,) * 4), effects=())
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+    fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     found = with_residual_noise(setting, fit)
     assert found is not setting
     assert (found.levels >= (1.0 - 1e-12) * setting.levels).all()

@@ -17,9 +17,12 @@ def test_squares_sum_to_scipys_loss(loss):
     for r, c in zip(R, changed, strict=True):
         # a fit with nothing to fit: twice its cost is the loss
         found = least_squares(
-            lambda x, r=r: np.array([r + 0.0 * x[0]]), [0.0], loss=loss.replace("-", "_"),
-            f_scale=scale, max_nfev=1,
-        )  # fmt: skip
+            lambda x, r=r: np.array([r + 0.0 * x[0]]),
+            [0.0],
+            loss=loss.replace("-", "_"),
+            f_scale=scale,
+            max_nfev=1,
+        )
         assert c**2 == pytest.approx(2.0 * found.cost, rel=1e-6, abs=1e-15)
         assert np.sign(c) == np.sign(r)
 

@@ -7,8 +7,8 @@ import pytest
 
 import tp_jax as tp
 from tp_jax.estimation import sharpen
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
-from tp_jax.estimation.sharpen import sharpened
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
+from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.model.parameters import DEFAULT_EPS, PAPER_EPS, SHARPEST_EPS
 from tp_jax.rig import RigParameters, make_campaign
 
@@ -23,12 +23,12 @@ def fitted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rig") / "rig"
     make_campaign(folder, TRUTH, runs=3, duration=5.0, noise=1e-4, bits=20, seed=1)
     setting = prepare_campaign(tp.load_campaign(folder), effects=())
-    return setting, grow(setting, initial_values(setting), setting.unknowns())
+    return setting, fit_over_schedule(setting, initial_values(setting), setting.unknowns())
 
 
 def test_what_is_found_is_nearer_to_hard_friction(fitted):
     setting, before = fitted
-    after = sharpened(setting, before)
+    after = fit_with_sharp_friction(setting, before)
     assert before.values.get("eps2") == DEFAULT_EPS
     assert after.values.get("eps1") == after.values.get("eps2") == SHARPEST_EPS
     assert after.cost < before.cost
@@ -36,21 +36,21 @@ def test_what_is_found_is_nearer_to_hard_friction(fitted):
     for name in ("Ts1", "Tst"):
         miss = [abs(f.values.get(name) / getattr(TRUTH, name) - 1.0) for f in (before, after)]
         assert miss[1] < 0.5 * miss[0], (name, miss)
-    assert sharpened(setting, after) is after
+    assert fit_with_sharp_friction(setting, after) is after
 
 
 def test_the_paper_keeps_its_smoothing(fitted):
     setting, before = fitted
     printed = dataclasses.replace(setting, model="paper")
     assert printed.eps == printed.sharpest == PAPER_EPS
-    assert sharpened(printed, before) is before
+    assert fit_with_sharp_friction(printed, before) is before
 
 
 @pytest.mark.parametrize("cost", [np.inf, 1e9])
 def test_a_kink_is_not_taken(fitted, monkeypatch, cost):
     setting, before = fitted
     monkeypatch.setattr(sharpen, "fit", lambda *_, **__: dataclasses.replace(before, cost=cost))
-    assert sharpened(setting, before) is before
+    assert fit_with_sharp_friction(setting, before) is before
 
 
 def test_bounds_that_are_not_the_settings(fitted, monkeypatch):
@@ -62,6 +62,6 @@ def test_bounds_that_are_not_the_settings(fitted, monkeypatch):
         return before
 
     monkeypatch.setattr(sharpen, "fit", fit)
-    sharpened(setting, before)
-    sharpened(setting, before, bounds={"k": (0.0, 1.0)})
+    fit_with_sharp_friction(setting, before)
+    fit_with_sharp_friction(setting, before, bounds={"k": (0.0, 1.0)})
     assert asked == [setting.bounds, {"k": (0.0, 1.0)}]

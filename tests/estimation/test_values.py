@@ -10,9 +10,13 @@ from tp_jax.estimation.linearisation import columns
 from tp_jax.model import DoubleTorsionPendulum, SingleTorsionPendulum
 
 UNKNOWNS = (
-    Unknown("k"), Unknown("Ts1"), Unknown("zero2", 0), Unknown("zero2", 1),
-    Unknown("drive_frequency.a", 1), Unknown("column_tilt.b"),
-)  # fmt: skip
+    Unknown("k"),
+    Unknown("Ts1"),
+    Unknown("zero2", 0),
+    Unknown("zero2", 1),
+    Unknown("drive_frequency.a", 1),
+    Unknown("column_tilt.b"),
+)
 
 
 def test_put_and_pick_are_inverse():

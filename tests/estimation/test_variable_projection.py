@@ -10,8 +10,8 @@ from tests.rigs import synthetic_campaign
 from tp_jax.estimation import least_squares, variable_projection
 from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.ladder import Ladder, problem_of
 from tp_jax.estimation.linearisation import spread
+from tp_jax.estimation.schedule import Schedule, problem_of
 from tp_jax.estimation.weak_form import WeakForm
 from tp_jax.estimation.window_states import costs, in_turn, of_windows, settle, steps_along_kinks
 
@@ -24,8 +24,8 @@ def setting():
 
 
 @pytest.fixture(scope="module")
-def ladder(setting):
-    return Ladder(setting)
+def schedule(setting):
+    return Schedule(setting)
 
 
 @pytest.fixture(scope="module")
@@ -34,13 +34,13 @@ def start(setting):
 
 
 @pytest.fixture(scope="module")
-def fit(ladder, start):
-    return ladder.climb(ladder.first(start).values)
+def fit(schedule, start):
+    return schedule.run(schedule.first(start).values)
 
 
 def test_the_same_optimum_as_all_unknowns_together(setting, fit):
     joint = least_squares.fit(
-        fit.problem, fit.values, fit.unknowns, fit.states, anchors=setting.anchors()
+        fit.problem, fit.values, fit.unknowns, fit.states, priors=setting.priors()
     )
     assert fit.converged, fit.message
     assert fit.cost <= joint.cost + 1.0
@@ -50,10 +50,10 @@ def test_the_same_optimum_as_all_unknowns_together(setting, fit):
     assert fit.chi2_dof == pytest.approx(1.0, abs=0.15)
 
 
-def test_sooner_than_all_unknowns_together(setting, ladder, start):
-    problem = problem_of(setting, ladder.rungs[-1])
+def test_sooner_than_all_unknowns_together(setting, schedule, start):
+    problem = problem_of(setting, schedule.rungs[-1])
     values = start.replace({"eps1": setting.eps, "eps2": setting.eps})
-    options = dict(anchors=setting.anchors(), relative=1e-6)
+    options = dict(priors=setting.priors(), relative=1e-6)
     mine = variable_projection.fit(problem, values, setting.unknowns(), **options)
     joint = least_squares.fit(problem, values, setting.unknowns(), **options)
     assert mine.cost <= joint.cost + 1.0
@@ -65,28 +65,32 @@ def test_the_gradient_is_zero_there(setting, fit):
         fit.linearisation.r, fit.linearisation.states_jac, spread(fit.linearisation, fit.unknowns)
     )
     g = elim.g.sum(axis=0)
-    for a in setting.anchors():
+    for a in setting.priors():
         i = fit.unknowns.index(a.unknown)
         value = fit.values.get(a.unknown.name)
-        g[i] += (np.log(value) - a.centre) / a.sd**2 / value
+        g[i] += (np.log(value) - a.mean) / a.sd**2 / value
     free = ~fit.at_bound
     H = fit.information()[np.ix_(free, free)]
     assert float(g[free] @ np.linalg.solve(H, g[free])) < 0.1
 
 
-def test_bounds_hold(setting, ladder, fit):
+def test_bounds_hold(setting, schedule, fit):
     k = fit.values.get("k")
     bounds = {"k": (1.02 * k, 2.0 * k)}
     held = variable_projection.fit(
-        problem_of(setting, ladder.rungs[0]), fit.values, setting.unknowns(), bounds=bounds,
-        anchors=setting.anchors(), max_iterations=4,
-    )  # fmt: skip
+        problem_of(setting, schedule.rungs[0]),
+        fit.values,
+        setting.unknowns(),
+        bounds=bounds,
+        priors=setting.priors(),
+        max_iterations=4,
+    )
     assert held.values.get("k") == 1.02 * k
     assert held.at_bound[[u.name for u in held.unknowns].index("k")]
 
 
-def test_a_start_that_cannot_be_integrated_says_so(setting, ladder, start, monkeypatch):
-    problem = problem_of(setting, ladder.rungs[0])
+def test_a_start_that_cannot_be_integrated_says_so(setting, schedule, start, monkeypatch):
+    problem = problem_of(setting, schedule.rungs[0])
     lin = problem.linearise(start, problem.initial_states(start), SLOTS)
     lin.complete[0] = False
     monkeypatch.setattr(type(problem), "linearise", lambda *a: lin)
@@ -99,8 +103,8 @@ def test_a_start_that_cannot_be_integrated_says_so(setting, ladder, start, monke
 # Window states -------------------------------------------------------------------------------
 
 
-def test_settled_windows_promise_nothing(setting, ladder, fit):
-    problem = problem_of(setting, ladder.rungs[0])
+def test_settled_windows_promise_nothing(setting, schedule, fit):
+    problem = problem_of(setting, schedule.rungs[0])
     states = problem.initial_states(fit.values)
     lin = problem.linearise(fit.values, states, SLOTS)
     before = costs(lin).copy()
@@ -134,7 +138,7 @@ def test_some_windows_are_as_among_all(setting, fit):
 # Robust losses -------------------------------------------------------------------------------
 
 
-def test_outliers_move_little_under_a_robust_loss(setting, ladder, fit):
+def test_outliers_move_little_under_a_robust_loss(setting, schedule, fit):
     rng = np.random.default_rng(0)
     prepared = []
     for p in setting.prepared:
@@ -146,7 +150,7 @@ def test_outliers_move_little_under_a_robust_loss(setting, ladder, fit):
     sd = np.sqrt(np.diag(np.linalg.inv(fit.information())))
     off = {}
     for loss in ("linear", "huber", "cauchy"):
-        found = ladder.of(soiled) if loss == "linear" else Ladder(soiled, loss=loss)
+        found = schedule.of(soiled) if loss == "linear" else Schedule(soiled, loss=loss)
         x = found.refine(fit).values.pick(fit.unknowns)
         off[loss] = np.abs((x - fit.values.pick(fit.unknowns)) / sd)[:6]
     assert off["linear"].max() > 4.0
@@ -174,7 +178,7 @@ def test_steps_along_kinks_go_down_on_both_sides():
 
 
 def test_fits_along_kinks_end_no_higher(setting, fit):
-    how = {"anchors": setting.anchors(), "relative": 1e-6}
+    how = {"priors": setting.priors(), "relative": 1e-6}
     begun = (fit.problem, fit.values, fit.unknowns, fit.states)
     plain = variable_projection.fit(*begun, **how)
     along = variable_projection.fit(*begun, **how, kinks=True)

@@ -63,9 +63,13 @@ class Lab:
     def explore(self, folder, limits=Limits(1.0), **options):  # noqa: B008
         options = {"most": 6, "duration": DURATION, **options}
         return explore(
-            folder, self.record, self.diagnose, limits=limits,
-            diagnosed=lambda *told: self.told.append(told), **options,
-        )  # fmt: skip
+            folder,
+            self.record,
+            self.diagnose,
+            limits=limits,
+            diagnosed=lambda *told: self.told.append(told),
+            **options,
+        )
 
 
 def files(folder):
@@ -232,8 +236,10 @@ def test_killed_at_any_moment(when, tmp_path):
         sleep = "60" if when == "diagnosing" else "0"
         child = subprocess.Popen(
             [sys.executable, "-c", KILLED, str(folder), emulator.port, sleep],
-            cwd=ROOT, stdout=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         try:
             if when == "diagnosing":
                 assert child.stdout.readline() == "diagnosing\n"

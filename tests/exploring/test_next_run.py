@@ -26,14 +26,18 @@ POLICY = POLICY.explore
 ANY = Limits()
 MADE = [Run(release=0.6), Run(omega=8.0), Run(omega=16.0)]
 UNDECIDED = Finding(
-    "unknown", (("a", 0.6),), "a", 0.6, {"b": 0.3, "c": 0.1},
+    "unknown",
+    (("a", 0.6),),
+    "a",
+    0.6,
+    {"b": 0.3, "c": 0.1},
     (
         Forecast(Run(omega=6.0), 0.3, {"b": 1.0, "c": 30.0}),
         Forecast(Run(omega=12.0), 0.8, {"b": 5.0, "c": 0.0}),
         Forecast(Run(omega=18.0), 1.4, {"b": 9.0, "c": 9.0}),
         Forecast(Run(release=0.4), None, {"b": 90.0, "c": 90.0}),
     ),
-)  # fmt: skip
+)
 
 
 def chosen(finding=UNDECIDED, limits=ANY, made=MADE, most=8, duration=10.0):
@@ -81,12 +85,14 @@ def test_more_than_enough_does_not_count():
     [
         ({"causes": (("a", 0.96),)}, 8, "cause", "a, with probability 0.96; something"),
         (
-            {"verdict": "no_gap", "causes": (), "first": None, "rivals": {}}, 8,
-            "nothing_left", "does not explain",
+            {"verdict": "no_gap", "causes": (), "first": None, "rivals": {}},
+            8,
+            "nothing_left",
+            "does not explain",
         ),
         ({}, 3, "runs", "--runs"),
     ],
-)  # fmt: skip
+)
 def test_reasons_to_stop(change, most, reason, words):
     step = chosen(dataclasses.replace(UNDECIDED, **change), most=most)
     assert isinstance(step, Stop)
@@ -104,9 +110,10 @@ def test_the_limit_that_would_help_is_advised():
     dull = dataclasses.replace(
         UNDECIDED,
         forecasts=(
-            Forecast(Run(omega=6.0), 0.3, {"b": 0.1}), Forecast(Run(omega=12.0), 0.9, {"b": 5.0}),
+            Forecast(Run(omega=6.0), 0.3, {"b": 0.1}),
+            Forecast(Run(omega=12.0), 0.9, {"b": 5.0}),
         ),
-    )  # fmt: skip
+    )
     step = chosen(dull, Limits(0.5))
     assert step.reason == "indistinguishable"
     assert "cannot" not in step.sentence
@@ -164,7 +171,7 @@ def test_first_runs_survey():
     forecasts = (
         *(Forecast(Run(omega=w), 0.5) for w in (6.0, 9.0, 12.0, 15.0, 18.0)),
         Forecast(Run(release=0.5), 0.5),
-    )  # fmt: skip
+    )
     nothing = Finding("no_gap", forecasts=forecasts)
     made = [Run(release=0.6)]
     for omega in (12.0, 6.0):
@@ -198,20 +205,27 @@ def test_runs_to_compare():
 
 
 def diagnosis(causes, candidates, confused=(), verdict="unknown"):
-    return DiagnosisRecord.read({
-        "verdict": verdict, "confused_with": [list(group) for group in confused],
-        "causes": [{"effect": id, "probability": p} for id, p in causes],
-        "candidates": [
-            {"effect": id, "probability": p, "applicable": p is not None} for id, p in candidates
-        ],
-    })  # fmt: skip
+    return DiagnosisRecord.read(
+        {
+            "verdict": verdict,
+            "confused_with": [list(group) for group in confused],
+            "causes": [{"effect": id, "probability": p} for id, p in causes],
+            "candidates": [
+                {"effect": id, "probability": p, "applicable": p is not None}
+                for id, p in candidates
+            ],
+        }
+    )
 
 
 def test_rivals_of_an_accepted_cause():
-    found = finding_of(diagnosis(
-        [("a", 0.7)], [("a", 0.7), ("b", 0.2), ("c", 0.001), ("d", 0.002), ("e", None)],
-        [("a", "d")],
-    ))  # fmt: skip
+    found = finding_of(
+        diagnosis(
+            [("a", 0.7)],
+            [("a", 0.7), ("b", 0.2), ("c", 0.001), ("d", 0.002), ("e", None)],
+            [("a", "d")],
+        )
+    )
     assert (found.first, found.probability) == ("a", 0.7)
     assert found.rivals == {"b": 0.2, "d": 0.002}
 

@@ -86,9 +86,15 @@ def linear_fit(setting, effect=0.0):
     def linearisation(names):
         which = [list(slots).index(name) for name in names]
         return Linearisation(
-            r, states_jac, jac[..., which], valid, np.zeros((windows.n, n, 4)),
-            np.ones(windows.n, dtype=bool), tuple(names), windows.recording,
-        )  # fmt: skip
+            r,
+            states_jac,
+            jac[..., which],
+            valid,
+            np.zeros((windows.n, n, 4)),
+            np.ones(windows.n, dtype=bool),
+            tuple(names),
+            windows.recording,
+        )
 
     # to the optimum of the one parameter, as a fit would
     at = eliminate(r, states_jac, jac[..., :1])
@@ -98,16 +104,25 @@ def linear_fit(setting, effect=0.0):
     r += np.einsum("wmx,wx->wm", states_jac, at.state_step)
     at = eliminate(r, states_jac, jac[..., :1])
     problem = types.SimpleNamespace(
-        windows=windows, sigma=problem.sigma, whiten=problem.whiten, layout=problem.layout,
+        windows=windows,
+        sigma=problem.sigma,
+        whiten=problem.whiten,
+        layout=problem.layout,
         B1=problem.B1,
         linearise=lambda _values, _states, names: linearisation(names),
-    )  # fmt: skip
+    )
     return types.SimpleNamespace(
-        problem=problem, linearisation=linearisation(["k"]), unknowns=(Unknown("k"),),
-        at_bound=np.zeros(1, dtype=bool), anchors=(), eliminated=at, states=None,
+        problem=problem,
+        linearisation=linearisation(["k"]),
+        unknowns=(Unknown("k"),),
+        at_bound=np.zeros(1, dtype=bool),
+        priors=(),
+        eliminated=at,
+        states=None,
         values=types.SimpleNamespace(replace=lambda _: None),
-        information=lambda: at.H.sum(axis=0), dof=2 * int(windows.count.sum()) - 4 * windows.n,
-    )  # fmt: skip
+        information=lambda: at.H.sum(axis=0),
+        dof=2 * int(windows.count.sum()) - 4 * windows.n,
+    )
 
 
 def scored(setting, effect=0.0):

@@ -21,16 +21,21 @@ def linear_fit(rng, windows=20, m=12, u=3):
     names = [types.SimpleNamespace(name=n, recording=None) for n in ("k", "c1", "M1")]
     spec = types.SimpleNamespace(transform="log", typical=1.0)
     problem = types.SimpleNamespace(
-        windows=cut, B1=1.0,
+        windows=cut,
+        B1=1.0,
         layout=types.SimpleNamespace(
             parameters=[types.SimpleNamespace(scaled=lambda _: spec)] * 3,
             index={"k": 0, "c1": 1, "M1": 2},
         ),
-    )  # fmt: skip
+    )
     fit = types.SimpleNamespace(
-        problem=problem, eliminated=at, at_bound=np.zeros(3, bool), unknowns=names,
-        information=lambda: at.H.sum(axis=0), anchors=(),
-    )  # fmt: skip
+        problem=problem,
+        eliminated=at,
+        at_bound=np.zeros(3, bool),
+        unknowns=names,
+        information=lambda: at.H.sum(axis=0),
+        priors=(),
+    )
     return fit, jac, states, y
 
 

@@ -40,15 +40,32 @@ def campaign(drag: float, seed: int) -> Campaign:
         name = f"decay-{i}.csv"
         recordings.append(
             Recording(
-                name=name, label=name, file=Path(name), t=t, phi1=y, phi2=None, drive=None,
-                forced=False, omega=None, span=None, start=None, repeat=None, held_out=False,
+                name=name,
+                label=name,
+                file=Path(name),
+                t=t,
+                phi1=y,
+                phi2=None,
+                drive=None,
+                forced=False,
+                omega=None,
+                span=None,
+                start=None,
+                repeat=None,
+                held_out=False,
                 sha256="",
             )
-        )  # fmt: skip
+        )
     return Campaign(
-        name="sail", model="single", B1=None, B2=None, k=None, sample_rate=None,
-        recordings=tuple(recordings), folder=Path(),
-    )  # fmt: skip
+        name="sail",
+        model="single",
+        B1=None,
+        B2=None,
+        k=None,
+        sample_rate=None,
+        recordings=tuple(recordings),
+        folder=Path(),
+    )
 
 
 @pytest.mark.slow

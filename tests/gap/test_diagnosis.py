@@ -11,10 +11,23 @@ from tests import kept
 from tp_jax.errors import InputError
 
 FIELDS = {
-    "schema", "campaign", "model", "verdict", "noise_floor", "gap", "where", "causes",
-    "candidates", "confused_with", "minimum_detectable", "absorbed", "fits", "parameters",
-    "next_experiment", "provenance",
-}  # fmt: skip
+    "schema",
+    "campaign",
+    "model",
+    "verdict",
+    "noise_floor",
+    "gap",
+    "where",
+    "causes",
+    "candidates",
+    "confused_with",
+    "minimum_detectable",
+    "absorbed",
+    "fits",
+    "parameters",
+    "next_experiment",
+    "provenance",
+}
 
 
 def test_cause_is_named_and_the_gap_is_gone(short_diagnosis):

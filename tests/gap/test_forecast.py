@@ -5,7 +5,7 @@ import types
 import numpy as np
 import pytest
 
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.gap.forecast import Alternative, _left, forecasts, natural_frequency
@@ -29,19 +29,25 @@ def saved(rng, windows=6, rows=24, slots=("k", "Ts1")):
     """A linearisation of two recordings in windows, as if it had been saved."""
     shape = (windows, rows)
     return Linearisation(
-        rng.normal(size=shape), rng.normal(size=(*shape, 4)), rng.normal(size=(*shape, len(slots))),
-        np.ones(shape, bool), np.zeros((windows, (rows - 4) // 2, 4)), np.ones(windows, bool),
-        slots, np.arange(windows) % 2,
-    )  # fmt: skip
+        rng.normal(size=shape),
+        rng.normal(size=(*shape, 4)),
+        rng.normal(size=(*shape, len(slots))),
+        np.ones(shape, bool),
+        np.zeros((windows, (rows - 4) // 2, 4)),
+        np.ones(windows, bool),
+        slots,
+        np.arange(windows) % 2,
+    )
 
 
 def of_saved(lin):
     """A problem that answers with a saved linearisation."""
     return types.SimpleNamespace(
-        windows=types.SimpleNamespace(recording=lin.recording), prepared=(None, None),
+        windows=types.SimpleNamespace(recording=lin.recording),
+        prepared=(None, None),
         initial_states=lambda values: np.zeros((lin.r.shape[0], 4)),
         linearise=lambda values, states, slots: lin,
-    )  # fmt: skip
+    )
 
 
 def test_a_rival_is_left_with_what_no_fit_of_it_explains():
@@ -83,7 +89,7 @@ def test_angles_come_true_and_no_run_tells_a_model_from_itself(tmp_path):
     folder = tmp_path / "rig"
     make_campaign(folder, BENCH, {"contact_stribeck": 0.5}, runs=3, duration=DURATION, seed=4)
     setting = prepare_campaign(hold_out(load_campaign(folder)))
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+    fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     first = types.SimpleNamespace(before=fit, refits={})
     choice = types.SimpleNamespace(rounds=(first,), causes=(), final=Refit(fit, ()))
     found = forecasts(setting, choice, None, (NOTHING,), RUNS, DURATION, None)

@@ -19,9 +19,12 @@ def fitted():
     """A campaign's setting, and a fit of the model that it is of."""
     setting = prepare_campaign(synthetic_campaign(), effects=())
     return setting, fit_windows(
-        setting.problem(setting.horizons[1]), synthetic_values(setting), setting.unknowns(),
-        bounds=setting.bounds, anchors=setting.anchors(),
-    )  # fmt: skip
+        setting.problem(setting.horizons[1]),
+        synthetic_values(setting),
+        setting.unknowns(),
+        bounds=setting.bounds,
+        priors=setting.priors(),
+    )
 
 
 def leaving(fit: Fit, error) -> Fit:

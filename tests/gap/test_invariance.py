@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tp_jax as tp
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
 from tp_jax.gap.detectability import minimum_detectable
 from tp_jax.gap.screen import screen
 from tp_jax.rig import make_campaign
@@ -31,7 +31,7 @@ def campaign(tmp_path_factory):
 def seen(campaign):
     """Baseline and screen."""
     setting = prepare_campaign(campaign)
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+    fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     return fit, screen(fit, setting, states=False)  # those with states take programs of their own
 
 

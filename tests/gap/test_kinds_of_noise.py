@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests import noisy
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
 from tp_jax.estimation.noise_levels import with_noise
-from tp_jax.estimation.sharpen import sharpened
+from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.gap import known_noise
 from tp_jax.gap.choice import misfits
 from tp_jax.gap.held_out import squares
@@ -24,9 +24,9 @@ RATE, FAST = (250.0,) * 4, (250.0, 2000.0, 250.0, 2000.0)
 def looked_at(noise, seed, rates):
     """A campaign with its noise, and its baseline, as a diagnosis begins."""
     setting = prepare_campaign(noisy.campaign(noise, seed, rates))
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+    fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     setting, fit = with_noise_of(setting, fit, fit)
-    return setting, sharpened(setting, fit)
+    return setting, fit_with_sharp_friction(setting, fit)
 
 
 @pytest.mark.slow

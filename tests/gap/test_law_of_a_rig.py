@@ -9,7 +9,7 @@ import pytest
 from tests.rigs import synthetic_campaign
 from tp_jax.cli.output import json_text
 from tp_jax.effects import AnyLaw, catalogue
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
 from tp_jax.gap import visited
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import choose
@@ -39,7 +39,7 @@ def found():
     campaign = hold_out(synthetic_campaign(effect="bearing_position", hidden=hidden))
     effects = [catalogue()["sensor1_nonlinearity"], AnyLaw()]
     setting = prepare_campaign(campaign, effects=effects)
-    baseline = grow(setting, initial_values(setting), setting.unknowns())
+    baseline = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     choice = choose_or_learn(setting, baseline, 0, silent)
     return setting, choice, json.loads(json_text(assemble(setting, choice, 0).to_dict()))
 

@@ -29,9 +29,12 @@ def with_error(sensor: int, a: float):
 def located(campaign):
     setting = prepare_campaign(campaign, effects=())
     fit = fit_windows(
-        setting.problem(setting.horizons[-1]), synthetic_values(setting), setting.unknowns(),
-        bounds=setting.bounds, anchors=setting.anchors(),
-    )  # fmt: skip
+        setting.problem(setting.horizons[-1]),
+        synthetic_values(setting),
+        setting.unknowns(),
+        bounds=setting.bounds,
+        priors=setting.priors(),
+    )
     free = free_columns(setting, fit)
     jac = np.concatenate([free.jac, spread(fit.linearisation, list(fit.unknowns))], axis=2)
     left = eliminate(fit.linearisation.r, fit.linearisation.states_jac, jac)

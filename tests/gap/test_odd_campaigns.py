@@ -120,9 +120,10 @@ def held_out(squares, complete: bool = True) -> HeldOut:
 
 def shrunk(before, after):
     setting = SimpleNamespace(
-        fitted=[0], recordings=[SimpleNamespace(n=250_000)],
+        fitted=[0],
+        recordings=[SimpleNamespace(n=250_000)],
         held_out_noise={"phi1": 1e-3, "phi2": 1e-3},
-    )  # fmt: skip
+    )
     return shrink(setting, before, after, 0)
 
 

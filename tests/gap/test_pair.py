@@ -18,10 +18,17 @@ def screen_of(V: np.ndarray, score: np.ndarray, *limits: tuple[float, float]) ->
         variant = types.SimpleNamespace(effect=types.SimpleNamespace(id=f"e{i}"))
         scored.append(
             Scored(
-                variant, drop, unbounded, estimate, V[rows, rows], np.zeros((1, 1)), np.zeros(0),
-                rows, bounds,
+                variant,
+                drop,
+                unbounded,
+                estimate,
+                V[rows, rows],
+                np.zeros((1, 1)),
+                np.zeros(0),
+                rows,
+                bounds,
             )
-        )  # fmt: skip
+        )
     return Screen(tuple(scored), V, V[None], {}, score, np.zeros((0, 0)))
 
 

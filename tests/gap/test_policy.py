@@ -8,9 +8,10 @@ from tp_jax.gap import policy
 from tp_jax.gap.policy import POLICY, Policy
 
 EVERY = [
-    each for each in vars(policy).values()
+    each
+    for each in vars(policy).values()
     if isinstance(each, type) and dataclasses.is_dataclass(each)
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("kind", EVERY, ids=lambda kind: kind.__name__)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tests import noisy
-from tp_jax.estimation.baseline import grow, initial_values, prepare_campaign
-from tp_jax.estimation.sharpen import sharpened
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
+from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.gap.known_noise import with_noise_of
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.rounding import Rounding
@@ -26,9 +26,10 @@ def drawn(step, count=400):
     columns = np.zeros((3, 2 * SAMPLES + 4, 1), dtype=np.float32)
     columns[:, : 2 * SAMPLES : 2, 0] = 1.0
     problem = SimpleNamespace(
-        sigma=np.full((3, 2), LEVEL), whiten=lambda r: None,
+        sigma=np.full((3, 2), LEVEL),
+        whiten=lambda r: None,
         windows=SimpleNamespace(recording=np.array([0, 0, 1])),
-    )  # fmt: skip
+    )
     steps = np.tile([step, 0.0], (3, 1))
     rounding = Rounding(problem, predicted, steps, columns, np.arange(3))
     return rounding.scores(np.random.default_rng(0), count)[:, 0]
@@ -54,13 +55,15 @@ def encoder(rng, y, run):
 @pytest.mark.slow
 def test_an_encoder_is_no_structure():
     setting = prepare_campaign(noisy.campaign(encoder, 1, (100.0,) * 4))
-    fit = grow(setting, initial_values(setting), setting.unknowns())
+    fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
     setting, fit = with_noise_of(setting, fit, fit)
-    seen = screen(sharpened(setting, fit), setting, states=False)
+    seen = screen(fit_with_sharp_friction(setting, fit), setting, states=False)
     assert seen.rounding is not None
     assert structure_test(seen, seed=0).p > POLICY.structure.seen
     # an effect that is plain is seen all the same
-    strong = [dataclasses.replace(s, blocks=s.blocks + 30.0 * np.sqrt(np.diag(s.V)) / len(s.blocks))
-              for s in seen.scored]  # fmt: skip
+    strong = [
+        dataclasses.replace(s, blocks=s.blocks + 30.0 * np.sqrt(np.diag(s.V)) / len(s.blocks))
+        for s in seen.scored
+    ]
     plain = dataclasses.replace(seen, scored=tuple(strong))
     assert structure_test(plain, seed=0).p < POLICY.structure.seen

@@ -163,9 +163,9 @@ def test_one_rig_s_effect_is_not_the_kind_s():
     rigs = fleet(11, n=8)
     rigs[3].y = rigs[3].y + 3.0 * rigs[3].X[:, 1]
     for own in ((), ("b",)):
-        (only,) = shared_effects([
-            rig.scores(f"rig-{i}", own=own if i == 3 else ()) for i, rig in enumerate(rigs)
-        ]).effects  # fmt: skip
+        (only,) = shared_effects(
+            [rig.scores(f"rig-{i}", own=own if i == 3 else ()) for i, rig in enumerate(rigs)]
+        ).effects
         assert (only.pooled.key[0], only.verdict) == ("b", OWN)
         assert only.showing == (3,)
         assert only.largest == 3
@@ -189,11 +189,17 @@ def test_false_alarms_stay_below_the_level():
 def test_grids_of_shapes_are_one_effect():
     rigs = scores_of(fleet(13, n=5, shared=(0, 0, 0.4, 0, 0, 0)))
     grid = [
-        dataclasses.replace(rig, variants=tuple(
-            dataclasses.replace(v, effect="c", shapes=(("n", float(v.first)),))
-            if v.effect in "cd" else v for v in rig.variants
-        )) for rig in rigs
-    ]  # fmt: skip
+        dataclasses.replace(
+            rig,
+            variants=tuple(
+                dataclasses.replace(v, effect="c", shapes=(("n", float(v.first)),))
+                if v.effect in "cd"
+                else v
+                for v in rig.variants
+            ),
+        )
+        for rig in rigs
+    ]
     found = shared_effects(grid)
     assert [e.pooled.key[0] for e in found.effects] == ["c"]
     assert len(found.candidates) == 4

@@ -21,8 +21,9 @@ def scored(id, at, q, *, by_recording=False, drop=1.0, shapes=(), blocks=None, V
     variant = types.SimpleNamespace(effect=effect, shapes=shapes, unknowns=unknowns)
     rows = slice(at, at + q)
     limits = np.tile((-np.inf, np.inf), (q, 1))
-    return Scored(variant, drop, drop, np.zeros(q), V[rows, rows], blocks[:, rows],
-                  np.zeros(0), rows, limits)  # fmt: skip
+    return Scored(
+        variant, drop, drop, np.zeros(q), V[rows, rows], blocks[:, rows], np.zeros(0), rows, limits
+    )
 
 
 @pytest.fixture
@@ -47,9 +48,10 @@ def seen():
 def test_effects_of_the_whole_rig_are_kept(seen):
     kept = rig_scores("a", seen, (), 0)
     assert [(v.effect, v.shapes, v.columns) for v in kept.variants] == [
-        ("tilt", (), slice(0, 2)), ("drag", (("n", 1.0),), slice(2, 3)),
+        ("tilt", (), slice(0, 2)),
+        ("drag", (("n", 1.0),), slice(2, 3)),
         ("drag", (("n", 2.0),), slice(3, 4)),
-    ]  # fmt: skip
+    ]
     assert kept.variants[0].amplitudes == (("a0", "N m"), ("a1", "N m"))
     columns = [0, 1, 5, 6]
     np.testing.assert_allclose(kept.score, seen.total[columns])
@@ -75,8 +77,10 @@ def test_dispersions_are_those_of_the_blocks(seen):
     assert found.shape == (4,)
     np.testing.assert_allclose(found, 1.5**2, rtol=0.35)
     assert [v.dispersion for v in rig_scores("a", seen, (), 0).variants] == [
-        found[0], found[2], found[3],
-    ]  # fmt: skip
+        found[0],
+        found[2],
+        found[3],
+    ]
 
 
 def test_a_screen_without_effects_has_none():

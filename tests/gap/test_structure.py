@@ -16,9 +16,13 @@ def as_screen(blocks, V, sizes):
     rows = [slice(a, b) for a, b in itertools.pairwise(np.cumsum([0, *sizes]))]
     scored = tuple(types.SimpleNamespace(blocks=blocks[:, r], rows=r) for r in rows)
     return types.SimpleNamespace(
-        scored=scored, information_by_block=V, by_block=V, information=V.sum(axis=0),
-        covariance=np.zeros((0, 0)), rounding=None,
-    )  # fmt: skip
+        scored=scored,
+        information_by_block=V,
+        by_block=V,
+        information=V.sum(axis=0),
+        covariance=np.zeros((0, 0)),
+        rounding=None,
+    )
 
 
 def null(rng, n_blocks=40, noise=1.0, heavy=True):

@@ -16,9 +16,16 @@ GONE, PARTLY, NONE = (
 
 #: A large gap of which one sure cause leaves noise alone.
 PLAIN = Evidence(
-    structure_p=0.001, structure_p_after=0.4, causes=1, probability=0.99,
-    shrink=GONE, rest=0.01, rest_error=0.03, gap_rms=5e-3, rest_rms=1e-4,
-)  # fmt: skip
+    structure_p=0.001,
+    structure_p_after=0.4,
+    causes=1,
+    probability=0.99,
+    shrink=GONE,
+    rest=0.01,
+    rest_error=0.03,
+    gap_rms=5e-3,
+    rest_rms=1e-4,
+)
 
 
 @pytest.mark.parametrize(

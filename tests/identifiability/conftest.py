@@ -17,6 +17,9 @@ def fit(setting):
     """From the truth on, windows of the last length at once: what is asked of is the end."""
     problem = setting.problem(setting.horizons[-1])
     return fit_windows(
-        problem, synthetic_values(setting), setting.unknowns(), bounds=setting.bounds,
-        anchors=setting.anchors(),
-    )  # fmt: skip
+        problem,
+        synthetic_values(setting),
+        setting.unknowns(),
+        bounds=setting.bounds,
+        priors=setting.priors(),
+    )

@@ -21,7 +21,7 @@ def starts(fit):
 
 @pytest.fixture(scope="module")
 def found(fit, starts):
-    return fit_copies(fit.problem, fit.unknowns, starts, anchors=fit.anchors)
+    return fit_copies(fit.problem, fit.unknowns, starts, priors=fit.priors)
 
 
 def test_each_ends_as_low_as_it_would_alone(fit, starts, found):
@@ -29,9 +29,13 @@ def test_each_ends_as_low_as_it_would_alone(fit, starts, found):
         assert copy.converged
         free = [u for u, f in zip(fit.unknowns, start.free, strict=True) if f]
         alone = fit_windows(
-            fit.problem, start.values, free, fit.states,
-            anchors=[a for a in fit.anchors if a.unknown in free], tolerance=1e-3,
-        )  # fmt: skip
+            fit.problem,
+            start.values,
+            free,
+            fit.states,
+            priors=[a for a in fit.priors if a.unknown in free],
+            tolerance=1e-3,
+        )
         assert copy.cost <= alone.cost + 0.1 + 1e-5 * alone.cost
 
 

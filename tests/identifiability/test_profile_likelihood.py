@@ -67,7 +67,7 @@ def test_a_rider_that_never_slips_leaves_t0_open(setting):
     own = prepare_campaign(dataclasses.replace(campaign, recordings=calm), effects=())
     values = _bench_values(own)
     problem = own.problem(own.horizons[-1])
-    fitted = fit_windows(problem, values, own.unknowns(), anchors=own.anchors())
+    fitted = fit_windows(problem, values, own.unknowns(), priors=own.priors())
     (p,) = profiles(fitted, own, ("T0",))
     assert not p.identifiable
     assert p.ci95[1] is None

@@ -32,9 +32,14 @@ def test_along_a_path_is_the_solution_of_the_rate():
         (lambda t: 0.6 * np.sin(4 * t) ** 2 * np.cos(4 * t)),
     )
     expected = solve_ivp(
-        lambda t, z: v(t) - abs(v(t)) * z / Z0, (0.0, 3.0), [0.0], t_eval=ts,
-        rtol=1e-9, atol=1e-12, max_step=1e-2,
-    ).y[0]  # fmt: skip
+        lambda t, z: v(t) - abs(v(t)) * z / Z0,
+        (0.0, 3.0),
+        [0.0],
+        t_eval=ts,
+        rtol=1e-9,
+        atol=1e-12,
+        max_step=1e-2,
+    ).y[0]
     # a turn between two points is missed by less than the path goes there
     np.testing.assert_allclose(dahl_along(jnp.asarray(x(ts)), Z0), expected, atol=1e-6)
 

@@ -76,9 +76,12 @@ def test_a_base_that_turns_takes_bearing_and_spring_along_but_not_the_rider():
 def test_a_column_alone_on_a_base_that_turns():
     numbers = pendulum(Applied(Shaken(), {"a": jnp.asarray(30.0)}))
     alone = SingleTorsionPendulum(
-        drive=numbers.drive, spring=numbers.spring, bearing=numbers.bearing, B1=numbers.B1,
+        drive=numbers.drive,
+        spring=numbers.spring,
+        bearing=numbers.bearing,
+        B1=numbers.B1,
         terms=numbers.terms,
-    )  # fmt: skip
+    )
     still = dataclasses.replace(alone, terms=())
     expected = float(still.motion(T, Y).a1) - 30.0 * np.cos(20.0 * 0.337)
     assert float(alone.motion(T, Y).a1) == pytest.approx(expected)

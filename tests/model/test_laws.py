@@ -125,9 +125,21 @@ def test_presets_hold_what_is_stated(name, p):
 def test_presets_by_name():
     assert presets.names() == ("paper-5.1", "paper-5.1-start", "bench")
     start = dict(
-        B1=22, B2=11, k=10, A=math.pi / 4, omega=0.5, c1=5, M1=2, Tv=0.1, Ts1=3, Ts2=1, Tst=0.2,
-        T0=1000, eps=1000, reaction=2,
-    )  # fmt: skip
+        B1=22,
+        B2=11,
+        k=10,
+        A=math.pi / 4,
+        omega=0.5,
+        c1=5,
+        M1=2,
+        Tv=0.1,
+        Ts1=3,
+        Ts2=1,
+        Tst=0.2,
+        T0=1000,
+        eps=1000,
+        reaction=2,
+    )
     assert presets.values("paper-5.1-start") == pytest.approx(start)
     assert presets.paper_5_1.B1 == 20.0
     with pytest.raises(KeyError, match=r"bench"):

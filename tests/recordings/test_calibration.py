@@ -103,10 +103,14 @@ def test_a_fit_with_a_zero_far_away():
         ([0, 1, np.nan], [0, 1, 2], "line", "finite"),
         ([0, 0, 0], [1, 1, 1], "line", "more angles"),
         (np.linspace(0, 1e-7, 9), np.ones((9, 2)), "sine_cosine", ""),
-        (np.linspace(-1, 1, 20), -made("sine_cosine").volts(np.linspace(-1, 1, 20)), "sine_cosine",
-         ""),
+        (
+            np.linspace(-1, 1, 20),
+            -made("sine_cosine").volts(np.linspace(-1, 1, 20)),
+            "sine_cosine",
+            "",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_fitted(angles, readings, law, part):
     if law == "sine_cosine" and np.ndim(readings) == 2 and np.ptp(readings) > 1:
         # a bridge turned round: the other sign is half a turn away, if both are; one is a fault

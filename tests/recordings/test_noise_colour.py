@@ -31,10 +31,21 @@ def noise(n: int, rho: float, white: float, seed: int) -> np.ndarray:
 
 def run(t: np.ndarray, phi1: np.ndarray) -> Recording:
     return Recording(
-        name="run.csv", label="run.csv", file=Path("run.csv"), t=t, phi1=phi1, phi2=None,
-        drive=None, forced=True, omega=OMEGA, span=None, start=None, repeat=None, held_out=False,
+        name="run.csv",
+        label="run.csv",
+        file=Path("run.csv"),
+        t=t,
+        phi1=phi1,
+        phi2=None,
+        drive=None,
+        forced=True,
+        omega=OMEGA,
+        span=None,
+        start=None,
+        repeat=None,
+        held_out=False,
         sha256="",
-    )  # fmt: skip
+    )
 
 
 def found(motion, rho: float, white: float, seed: int, runs: int = 3) -> Colour:

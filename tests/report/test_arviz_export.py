@@ -17,7 +17,8 @@ def parameter(value, ci95, unit="1", identifiable=True):
 
 
 FOUND = {
-    "campaign": "case", "model": "newton",
+    "campaign": "case",
+    "model": "newton",
     "parameters": {
         "k": parameter(0.45, [0.44, 0.46], "N m/rad"),
         "Ts1": parameter(0.01, [0.01 / 1.5, 0.015], "N m"),
@@ -30,7 +31,7 @@ FOUND = {
         "names": ["Ts1", "k", "T0"],
         "matrix": [[1.0, -0.8, 0.1], [-0.8, 1.0, 0.0], [0.1, 0.0, 1.0]],
     },
-}  # fmt: skip
+}
 
 
 @pytest.fixture(params=NAMES)
@@ -62,8 +63,10 @@ def test_draws_have_the_intervals(arviz):
 def test_what_has_no_interval_is_constant(arviz):
     constant = to_arviz(FOUND, draws=10)["constant_data"]
     assert {name: float(np.ravel(constant[name])[0]) for name in constant.data_vars} == {
-        "T0": 4.0, "A": 0.3, "Ts2": 0.0,
-    }  # fmt: skip
+        "T0": 4.0,
+        "A": 0.3,
+        "Ts2": 0.0,
+    }
     assert constant["A"].attrs["units"] == "rad"
 
 

@@ -65,8 +65,9 @@ def test_the_map_finds_where_the_model_misses(made):
     diagnosis = made("explained")
     curve = diagnosis["curves"][0]["phi1"]["measured"]
     diagnosis["residuals"][0]["phi1"] = {
-        "before": [9.0 if y > 0.15 else 0.5 for y in curve], "after": [0.5] * len(curve),
-    }  # fmt: skip
+        "before": [9.0 if y > 0.15 else 0.5 for y in curve],
+        "after": [0.5] * len(curve),
+    }
     row = figures.state_map.points(DiagnosisRecord.read(diagnosis))[0]
     assert row.channel == "phi1"
     said = figures.state_map.described(DiagnosisRecord.read(diagnosis))
@@ -150,8 +151,9 @@ def long_and_large() -> dict:
     diagnosis["candidates"][0] |= {"effect": "m" * 90, "realised_shrink": -50.0}
     diagnosis["where"][0]["location"] = "m" * 90
     diagnosis["absorbed"] |= {
-        "m" * 90: {"in_standard_errors": 123456.0}, "b": {"in_standard_errors": -123456.0},
-    }  # fmt: skip
+        "m" * 90: {"in_standard_errors": 123456.0},
+        "b": {"in_standard_errors": -123456.0},
+    }
     diagnosis["gap"]["before"]["free_run"] = 12345.0
     for key in ("curves", "residuals"):
         phi2 = diagnosis[key][0]["phi2"]

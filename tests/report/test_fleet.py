@@ -26,8 +26,9 @@ def made(**changes):
 @pytest.fixture(scope="module")
 def rows():
     """Rigs of every kind, among them one without anything and one that failed."""
-    found = [row(f"{kind}-{i}", KINDS[kind](), f"{kind}-{i}/report.html")
-             for i, kind in enumerate(KINDS)]  # fmt: skip
+    found = [
+        row(f"{kind}-{i}", KINDS[kind](), f"{kind}-{i}/report.html") for i, kind in enumerate(KINDS)
+    ]
     weak = made()
     weak["causes"][0]["parameters"]["strength"]["value"] = 0.22
     weak["gap"]["shrink"] = 0.61
@@ -85,22 +86,38 @@ def test_the_terminal_has_a_line_a_rig(rows):
 def shared():
     """What rigs share, of every kind."""
     kind = {
-        "effect": "spring_asymmetry", "location": "spring", "verdict": "kind", "shapes": {},
+        "effect": "spring_asymmetry",
+        "location": "spring",
+        "verdict": "kind",
+        "shapes": {},
         "amplitudes": {"a": {"value": 0.0012, "unit": "1", "ci95": [0.0009, 0.0015]}},
-        "reduction": 60.0, "p": 0.0005, "differ": False,
+        "reduction": 60.0,
+        "p": 0.0005,
+        "differ": False,
         "heterogeneity": {"q": 9.0, "dof": 11, "p": 0.6, "spread": 0.0},
         "without_largest": {"rig": "<rig>", "reduction": 45.0, "p": 0.0005},
-        "asked_of": 12, "shown_by": [], "by_rig": {}, "confused_with": ["elastic_stop"],
-    }  # fmt: skip
+        "asked_of": 12,
+        "shown_by": [],
+        "by_rig": {},
+        "confused_with": ["elastic_stop"],
+    }
     own = {
-        **kind, "effect": "contact_wear", "verdict": "own", "differ": True,
-        "shown_by": ["worn"], "confused_with": [],
+        **kind,
+        "effect": "contact_wear",
+        "verdict": "own",
+        "differ": True,
+        "shown_by": ["worn"],
+        "confused_with": [],
         "heterogeneity": {"q": 90.0, "dof": 11, "p": 1e-9, "spread": 2.0},
-    }  # fmt: skip
+    }
     return {
-        "reason": None, "rigs": [f"rig-{i}" for i in range(12)], "left_out": ["torn"],
-        "level": 0.01, "effects": [kind, own], "candidates": [{"effect": "x", "p": 0.4}],
-    }  # fmt: skip
+        "reason": None,
+        "rigs": [f"rig-{i}" for i in range(12)],
+        "left_out": ["torn"],
+        "level": 0.01,
+        "effects": [kind, own],
+        "candidates": [{"effect": "x", "p": 0.4}],
+    }
 
 
 def test_what_rigs_share_is_told_in_sentences(shared):
@@ -121,8 +138,10 @@ def test_what_rigs_share_is_told_in_sentences(shared):
     nothing = of_shared({**shared, "effects": [], "left_out": []})
     assert nothing == (
         "The 12 rigs share no effect that their recordings show: noise alone gives as much as the "
-        "most likely one, x, with p = 0.40.", [], [],
-    )  # fmt: skip
+        "most likely one, x, with p = 0.40.",
+        [],
+        [],
+    )
     assert of_shared({"reason": "Too few."}) == ("Too few.", [], [])
     single = {**shared["effects"][1], "differ": False, "shown_by": []}
     assert of_shared({**shared, "effects": [single]}).own[0].sentences == (

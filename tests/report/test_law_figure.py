@@ -21,14 +21,21 @@ def learned(made):
     diagnosis = copy.deepcopy(made("explained"))
     edges = np.linspace(X[0], X[-1], 41)
     diagnosis["causes"][0] |= {
-        "effect": "bearing_dry.phi1", "kind": "learned", "location": "bearing",
-        "channel": "column", "formula": "0.4 cos 3 φ1",
+        "effect": "bearing_dry.phi1",
+        "kind": "learned",
+        "location": "bearing",
+        "channel": "column",
+        "formula": "0.4 cos 3 φ1",
         "curve": {
-            "argument": "φ1", "unit": "rad", "x": X.tolist(), "y": Y.tolist(), "y_unit": "1",
+            "argument": "φ1",
+            "unit": "rad",
+            "x": X.tolist(),
+            "y": Y.tolist(),
+            "y_unit": "1",
             "ci95": np.stack([Y - 0.03, Y + 0.03], axis=1).tolist(),
             "visited": {"edges": edges.tolist(), "share": [1.0 / 40.0] * 40},
         },
-    }  # fmt: skip
+    }
     return diagnosis
 
 

@@ -18,12 +18,23 @@ def test_short_and_plain(diagnosis):
 def test_says_the_cause_and_the_numbers(made):
     text = summary(made("explained"))
     for part in (
-        "case-03", "contact_stribeck", "97 %", "98 % of the removable gap is gone",
-        "96 % to 99 %", "52.0 mrad", "1.40 mrad", "1.00 mrad", "0.580", "0.550 to 0.610",
-        "predicted shrink", "contact_asymmetry", "−40 %",
+        "case-03",
+        "contact_stribeck",
+        "97 %",
+        "98 % of the removable gap is gone",
+        "96 % to 99 %",
+        "52.0 mrad",
+        "1.40 mrad",
+        "1.00 mrad",
+        "0.580",
+        "0.550 to 0.610",
+        "predicted shrink",
+        "contact_asymmetry",
+        "−40 %",
         "This data cannot tell contact_stribeck from contact_presliding.",
-        "8 rad/s", "6.1 standard",
-    ):  # fmt: skip
+        "8 rad/s",
+        "6.1 standard",
+    ):
         assert part in " ".join(text.split()) or part in text
 
 

@@ -28,8 +28,16 @@ def diagnosis(made, p, p_after, causes, probability, tolerance, shrink, rest):
     """What a diagnosis says with this evidence."""
     rms = 1e-3 * rest**0.5
     evidence = Evidence(
-        p, p_after, causes, probability, shrink, rest, 0.03, gap_rms=5e-3, rest_rms=rms,
-    )  # fmt: skip
+        p,
+        p_after,
+        causes,
+        probability,
+        shrink,
+        rest,
+        0.03,
+        gap_rms=5e-3,
+        rest_rms=rms,
+    )
     word = verdict(evidence, tolerance)
     d = made("explained")
     d["verdict"] = word
@@ -37,10 +45,13 @@ def diagnosis(made, p, p_after, causes, probability, tolerance, shrink, rest):
     names = ("contact_stribeck", "column_tilt")[: causes if word != "no_gap" else 0]
     d["causes"] = [{**first, "effect": n, "probability": probability} for n in names]
     d["gap"] |= {
-        "structure_p": p, "structure_p_after": p_after if names else None, "tolerance": tolerance,
-        "shrink": shrink.value, "shrink_ci95": shrink.ci95 and list(shrink.ci95),
+        "structure_p": p,
+        "structure_p_after": p_after if names else None,
+        "tolerance": tolerance,
+        "shrink": shrink.value,
+        "shrink_ci95": shrink.ci95 and list(shrink.ci95),
         "removable_significant": shrink.significant,
-    }  # fmt: skip
+    }
     return d
 
 

@@ -67,7 +67,7 @@ def test_a_copy_has_the_same_keys(copied):
         ({"parameters": {"k": None, "A": {"value": 1}}}, {"parameters": {"A": {"value": 1}}}),
         ({"confused_with": None, "campaign": None}, {"confused_with": None}),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_fit_counts_as_missing(given, left):
     assert DiagnosisRecord.read(given).to_dict() == left
 

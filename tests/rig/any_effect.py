@@ -130,9 +130,13 @@ def any_two_effects_on_any_rig(ids, seed):
 
 
 DEMANDS: tuple[Callable[[str], None], ...] = (
-    says_what_it_is, size_zero_changes_nothing, next_to_no_size_changes_next_to_nothing,
-    acts_through_its_channel, is_the_same_again_with_the_same_seed, takes_its_time_but_ends,
-)  # fmt: skip
+    says_what_it_is,
+    size_zero_changes_nothing,
+    next_to_no_size_changes_next_to_nothing,
+    acts_through_its_channel,
+    is_the_same_again_with_the_same_seed,
+    takes_its_time_but_ends,
+)
 
 #: A filter of no time constant, or a base of infinite inertia, is stiff.
 STIFF = {"sensor2_lag", "base_compliance"}

@@ -11,9 +11,13 @@ import numpy as np
 from scipy.integrate import odeint
 
 EFFECTS = (
-    "spring_hysteresis", "bearing_presliding", "contact_presliding", "column_cable",
-    "base_compliance", "drive_backlash",
-)  # fmt: skip
+    "spring_hysteresis",
+    "bearing_presliding",
+    "contact_presliding",
+    "column_cable",
+    "base_compliance",
+    "drive_backlash",
+)
 
 
 def smoothed(

@@ -66,16 +66,26 @@ def by_events(p: RigParameters, ts: np.ndarray, omega=None, release: float = 0.0
         events = [
             (lambda t, y, i=i, mode=mode: y[2 + i])
             if mode[i]
-            else (lambda t, y, i=i, mode=mode: (
-                abs(accelerations(p, omega, t, y, mode)[2 + i]) - (p.M1, p.Ts1)[i]))
+            else (
+                lambda t, y, i=i, mode=mode: (
+                    abs(accelerations(p, omega, t, y, mode)[2 + i]) - (p.M1, p.Ts1)[i]
+                )
+            )
             for i in (0, 1)
-        ]  # fmt: skip
+        ]
         for event, side in zip(events, mode, strict=True):
             event.terminal, event.direction = True, -side if side else 1
         run = solve_ivp(
-            rhs, (t, end), y, "DOP853", events=events, rtol=1e-12, atol=1e-14, dense_output=True,
+            rhs,
+            (t, end),
+            y,
+            "DOP853",
+            events=events,
+            rtol=1e-12,
+            atol=1e-14,
+            dense_output=True,
             max_step=0.01,
-        )  # fmt: skip
+        )
         inside = (ts >= t) & (ts <= run.t[-1])
         if inside.any():
             out[inside] = run.sol(ts[inside])[:2].T

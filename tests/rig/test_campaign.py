@@ -48,8 +48,10 @@ def test_the_key_is_plain_and_complete(tmp_path):
 def test_the_files_do_not_tell(tmp_path):
     make_campaign(tmp_path / "x", effects={"sensor_crosstalk": 0.05}, runs=2, duration=1.0)
     assert sorted(f.name for f in (tmp_path / "x").iterdir()) == [
-        "campaign.toml", "run-01.csv", "run-02.csv",
-    ]  # fmt: skip
+        "campaign.toml",
+        "run-01.csv",
+        "run-02.csv",
+    ]
     assert "crosstalk" not in (tmp_path / "x" / "campaign.toml").read_text()
 
 

@@ -32,25 +32,58 @@ ALL = {id: effect for id, effect in catalogue().items() if effect.in_catalogue}
 
 #: The catalogue's ids, which are fixed: results and checks use them.
 IDS = {
-    "drive_harmonics", "drive_backlash", "drive_frequency", "drive_steps",
-    "spring_asymmetry", "spring_hysteresis", "spring_hardening", "spring_relaxation",
-    "bearing_stribeck", "bearing_position", "bearing_presliding", "bearing_drag",
-    "bearing_warmup", "bearing_asymmetry",
-    "contact_stribeck", "contact_position", "contact_presliding", "contact_wear",
-    "contact_asymmetry", "contact_vibration", "contact_cogging", "contact_repeatability",
-    "column_tilt", "column_cable", "base_compliance",
-    "sensor1_nonlinearity", "sensor2_nonlinearity", "sensor1_drift", "sensor2_drift",
-    "sensor_crosstalk", "channel_delay", "clock_skew", "reaction_factor",
-    "sensor1_eccentricity", "sensor2_eccentricity", "sensor1_interpolation",
-    "sensor2_interpolation", "drive_delay", "bearing_load", "spring_deadzone", "elastic_stop",
-}  # fmt: skip
+    "drive_harmonics",
+    "drive_backlash",
+    "drive_frequency",
+    "drive_steps",
+    "spring_asymmetry",
+    "spring_hysteresis",
+    "spring_hardening",
+    "spring_relaxation",
+    "bearing_stribeck",
+    "bearing_position",
+    "bearing_presliding",
+    "bearing_drag",
+    "bearing_warmup",
+    "bearing_asymmetry",
+    "contact_stribeck",
+    "contact_position",
+    "contact_presliding",
+    "contact_wear",
+    "contact_asymmetry",
+    "contact_vibration",
+    "contact_cogging",
+    "contact_repeatability",
+    "column_tilt",
+    "column_cable",
+    "base_compliance",
+    "sensor1_nonlinearity",
+    "sensor2_nonlinearity",
+    "sensor1_drift",
+    "sensor2_drift",
+    "sensor_crosstalk",
+    "channel_delay",
+    "clock_skew",
+    "reaction_factor",
+    "sensor1_eccentricity",
+    "sensor2_eccentricity",
+    "sensor1_interpolation",
+    "sensor2_interpolation",
+    "drive_delay",
+    "bearing_load",
+    "spring_deadzone",
+    "elastic_stop",
+}
 
 #: A modest size where that of the model's catalogue is none.
 SIZES = {
-    "spring_hysteresis": {"a": 0.1}, "bearing_presliding": {"a": 0.5},
-    "contact_presliding": {"a": 0.5}, "column_cable": {"a": 0.05}, "base_compliance": {"a": 0.1},
+    "spring_hysteresis": {"a": 0.1},
+    "bearing_presliding": {"a": 0.5},
+    "contact_presliding": {"a": 0.5},
+    "column_cable": {"a": 0.05},
+    "base_compliance": {"a": 0.1},
     "drive_backlash": {"g": 0.01},
-}  # fmt: skip
+}
 
 
 def test_the_whole_catalogue_can_be_hidden():

@@ -13,9 +13,15 @@ from tp_jax.identifiability.design import UNKNOWNS
 from tp_jax.sensitivity_analysis.analysis import sensitivity
 
 KEYS = {
-    "schema", "identifiable", "null_directions", "correlation", "local", "sobol", "morris",
+    "schema",
+    "identifiable",
+    "null_directions",
+    "correlation",
+    "local",
+    "sobol",
+    "morris",
     "provenance",
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")
@@ -95,9 +101,10 @@ def test_without_b1_the_scale_stays_free(campaign):
 
 def test_a_column_alone(campaign):
     single = dataclasses.replace(
-        campaign, model="single",
+        campaign,
+        model="single",
         recordings=tuple(dataclasses.replace(r, phi2=None) for r in campaign.recordings),
-    )  # fmt: skip
+    )
     found = sensitivity(single, **SMALL).to_dict()
     assert list(found["identifiable"]) == ["B1", "k", "A", "c1", "M1"]
     assert found["structural"]["rank"] == 4

@@ -34,8 +34,12 @@ def answers(B1: str = "", **omegas: str) -> dict:
 
 
 COMMANDED = {
-    "run_06": "6", "run_10": "10", "run_13": "13.09", "run_17": "17", "run_22": "22",
-}  # fmt: skip
+    "run_06": "6",
+    "run_10": "10",
+    "run_13": "13.09",
+    "run_17": "17",
+    "run_22": "22",
+}
 
 
 @pytest.fixture

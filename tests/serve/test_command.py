@@ -27,9 +27,12 @@ def started():
     def start(folder: Path, *words: str) -> tuple["subprocess.Popen[str]", str]:
         process = subprocess.Popen(
             [sys.executable, "-m", "tp_jax", "serve", "--no-browser", *words],
-            cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
             env=os.environ | {"PYTHONPATH": str(ROOT)},
-        )  # fmt: skip
+        )
         running.append(process)
         assert process.stdout is not None
         return process, process.stdout.readline().strip()

@@ -177,8 +177,9 @@ def test_a_killed_server_takes_the_child_along(folder):
     )
     server = subprocess.Popen(
         [sys.executable, "-c", code, str(folder), str(STAND_IN)],
-        stdout=subprocess.PIPE, cwd=Path(__file__).parents[2],
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        cwd=Path(__file__).parents[2],
+    )
     assert server.stdout is not None
     assert server.stdout.readline() == b"begun\n"
     os.kill(server.pid, signal.SIGKILL)

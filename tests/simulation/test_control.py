@@ -65,9 +65,18 @@ def test_a_body_turned_by_a_stiff_spring_may_jump_over_its_layer():
 def test_fast_columns_cost_few_steps_and_stay_right():
     """46 Hz, nearly undamped; the rider sticks and slips a thousand times in ten seconds."""
     fast = {
-        "k": 1160.0, "A": 1.3, "B1": 0.0139, "B2": 0.00101, "c1": 0.000388, "M1": 4.05e-06,
-        "Tv": 0.000476, "Ts1": 4.08, "Tst": 9.14, "T0": 0.0567, "omega": 13.1,
-    }  # fmt: skip
+        "k": 1160.0,
+        "A": 1.3,
+        "B1": 0.0139,
+        "B2": 0.00101,
+        "c1": 0.000388,
+        "M1": 4.05e-06,
+        "Tv": 0.000476,
+        "Ts1": 4.08,
+        "Tst": 9.14,
+        "T0": 0.0567,
+        "omega": 13.1,
+    }
     models = jax.vmap(lambda k: tp.presets.double_pendulum(**fast | {"k": k}, eps=5e4))(
         np.array([fast["k"]])
     )

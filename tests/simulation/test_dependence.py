@@ -21,15 +21,22 @@ def found(f, n):
 
 def test_what_stands_in_a_formula():
     assert found(lambda a, b, c: (a + b, jnp.sin(c), 2.0 * a, jnp.ones(1)), 3) == [
-        [1, 1, 0], [0, 0, 1], [1, 0, 0], [0, 0, 0],
-    ]  # fmt: skip
+        [1, 1, 0],
+        [0, 0, 1],
+        [1, 0, 0],
+        [0, 0, 0],
+    ]
 
 
 def test_arguments_and_constants_as_they_are():
     constant = jnp.arange(1.0)
     assert found(lambda a, b: (b, a, constant + 1.0, constant * a, constant), 2) == [
-        [0, 1], [1, 0], [0, 0], [1, 0], [0, 0],
-    ]  # fmt: skip
+        [0, 1],
+        [1, 0],
+        [0, 0],
+        [1, 0],
+        [0, 0],
+    ]
 
 
 def test_through_functions_compiled_on_their_own():
@@ -62,8 +69,9 @@ def test_through_derivatives_of_ones_own():
 
 def test_a_choice_depends_on_all_it_chooses_from():
     assert found(lambda a, b, c: (jnp.where(a > 0.0, b, c), jnp.where(a > 0.0, 1.0, b)), 3) == [
-        [1, 1, 1], [1, 1, 0],
-    ]  # fmt: skip
+        [1, 1, 1],
+        [1, 1, 0],
+    ]
 
 
 def test_doubt_is_a_yes():
@@ -116,8 +124,10 @@ def test_a_no_is_certain(seed):
     weights = rng.normal(size=(4, 5)) * (rng.random((4, 5)) < 0.4)
 
     def f(*x):
-        mixed = [jnp.sin(sum((w * a for w, a in zip(row, x, strict=True) if w), jnp.zeros(1)))
-                 for row in weights]  # fmt: skip
+        mixed = [
+            jnp.sin(sum((w * a for w, a in zip(row, x, strict=True) if w), jnp.zeros(1)))
+            for row in weights
+        ]
         return tuple(jnp.where(m > 0.0, m, arctan(m)) for m in mixed)
 
     said = dependence(f, *[ONE] * 5)

@@ -27,18 +27,27 @@ def solve(model, tolerance=1e-8, y0=(0.0, 0.0, 0.0, 0.0), span=SPAN, **rest):
     """As a user would write it."""
     options = dict(adjoint=diffrax.ForwardMode(), max_steps=20_000) | rest
     return diffrax.diffeqsolve(
-        diffrax.ODETerm(model.vector_field), tp.Rodas4(), 0.0, span, 1e-4, jnp.array(y0),
-        stepsize_controller=tp.ReversalController(model, tolerance), **options,
-    )  # fmt: skip
+        diffrax.ODETerm(model.vector_field),
+        tp.Rodas4(),
+        0.0,
+        span,
+        1e-4,
+        jnp.array(y0),
+        stepsize_controller=tp.ReversalController(model, tolerance),
+        **options,
+    )
 
 
 def linear_pendulum():
     """Both bodies coupled by viscous friction alone, the motor at rest."""
     model = DoubleTorsionPendulum(
-        drive=SineDrive(A=0.0, omega=1.0), spring=LinearSpring(40.0), B1=1.0, B2=0.5,
+        drive=SineDrive(A=0.0, omega=1.0),
+        spring=LinearSpring(40.0),
+        B1=1.0,
+        B2=0.5,
         bearing=Bearing(c1=0.5, M1=0.0, eps=1.0),
         contact=Contact(Tv=0.7, Ts1=0.0, Tst=0.0, T0=1.0, eps=1.0),
-    )  # fmt: skip
+    )
     acceleration1 = np.array([-40.0, 0.0, -0.5, 0.7])
     acceleration2 = np.array([0.0, 0.0, 0.0, -0.7 / 0.5]) - acceleration1
     return model, np.array([[0, 0, 1, 0], [0, 0, 0, 1], acceleration1, acceleration2])
@@ -67,14 +76,25 @@ def test_takes_the_steps_of_the_batch_engine(eps, tolerance):
     parts = take_apart(model)
     p = tuple(jnp.reshape(x, 1) for x in parts.values)
     ran = integrate(
-        parts.field, p, y0[:, None], np.array([0.0, SPAN]), (p[parts.eps[0]], p[parts.eps[1]]),
-        Control(angle=tolerance), width=1,
-    )  # fmt: skip
+        parts.field,
+        p,
+        y0[:, None],
+        np.array([0.0, SPAN]),
+        (p[parts.eps[0]], p[parts.eps[1]]),
+        Control(angle=tolerance),
+        width=1,
+    )
     first = 1e-2 * SPAN
     found = diffrax.diffeqsolve(
-        diffrax.ODETerm(model.vector_field), tp.Rodas4(), 0.0, SPAN, first, jnp.asarray(y0),
-        stepsize_controller=tp.ReversalController(model, tolerance), max_steps=20_000,
-    )  # fmt: skip
+        diffrax.ODETerm(model.vector_field),
+        tp.Rodas4(),
+        0.0,
+        SPAN,
+        first,
+        jnp.asarray(y0),
+        stepsize_controller=tp.ReversalController(model, tolerance),
+        max_steps=20_000,
+    )
     assert int(found.stats["num_steps"]) == int(ran.steps[0]) > 100
     np.testing.assert_allclose(found.ys[0], ran.y[0, -1], rtol=0, atol=1e-9)
 
@@ -175,7 +195,13 @@ def test_time_may_run_backwards():
     model = eqx.tree_at(lambda m: (m.bearing.c1, m.contact.Tv), model, (0.0, 0.0))
     there = solve(model, y0=(0.3, 0.0, 1.0, -2.0)).ys[-1]
     back = diffrax.diffeqsolve(
-        diffrax.ODETerm(model.vector_field), tp.Rodas4(), 1.0, 0.0, -1e-4, there,
-        stepsize_controller=tp.ReversalController(model, 1e-10), max_steps=20_000,
-    ).ys[-1]  # fmt: skip
+        diffrax.ODETerm(model.vector_field),
+        tp.Rodas4(),
+        1.0,
+        0.0,
+        -1e-4,
+        there,
+        stepsize_controller=tp.ReversalController(model, 1e-10),
+        max_steps=20_000,
+    ).ys[-1]
     np.testing.assert_allclose(back, [0.3, 0.0, 1.0, -2.0], atol=1e-5)

@@ -51,9 +51,16 @@ def program():
     def run(p, y0, ts, active, max_steps):
         q = tuple(p)
         return integrate(
-            parts.field, q, y0, ts, (q[parts.eps[0]], q[parts.eps[1]]),
-            Control(angle=TOLERANCE), width=LANES, active=active, max_steps=max_steps,
-        )  # fmt: skip
+            parts.field,
+            q,
+            y0,
+            ts,
+            (q[parts.eps[0]], q[parts.eps[1]]),
+            Control(angle=TOLERANCE),
+            width=LANES,
+            active=active,
+            max_steps=max_steps,
+        )
 
     return run
 

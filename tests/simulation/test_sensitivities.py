@@ -228,9 +228,12 @@ def test_states_of_effects_and_a_column_alone():
     y0 = np.array([0.3, 0.0, -2.0, 0.0, 0.01])
     effect = Applied(Dahl(), {"a": np.array(p["a"]), "z0": np.array(p["z0"])})
     model = SingleTorsionPendulum(
-        drive=SineDrive(A=p["A"], omega=p["omega"]), spring=LinearSpring(p["k"]),
-        bearing=Bearing(p["c1"], p["M1"], p["eps"]), B1=p["B1"], terms=(effect,),
-    )  # fmt: skip
+        drive=SineDrive(A=p["A"], omega=p["omega"]),
+        spring=LinearSpring(p["k"]),
+        bearing=Bearing(p["c1"], p["M1"], p["eps"]),
+        B1=p["B1"],
+        terms=(effect,),
+    )
     by = ("terms.0.values.a", "terms.0.values.z0", "bearing.M1", "B1")
     found = sensitivities(model, TS, y0, by=by, tolerance=1e-8)
     assert found.names == (*STATE, "state 4", *by)
@@ -256,8 +259,10 @@ def test_a_start_that_does_not_fit():
 
 def test_a_single_pendulum_leaves_out_the_contact():
     model = SingleTorsionPendulum(
-        drive=SineDrive(A=0.1, omega=5.0), spring=LinearSpring(0.45), bearing=Bearing(1e-3, 0, 1e3),
+        drive=SineDrive(A=0.1, omega=5.0),
+        spring=LinearSpring(0.45),
+        bearing=Bearing(1e-3, 0, 1e3),
         B1=1.2e-3,
-    )  # fmt: skip
+    )
     with pytest.raises(ValueError, match=r"'B2'.* it has (?!.*contact)"):
         sensitivities(model, TS, by=["B2"])

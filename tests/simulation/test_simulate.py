@@ -114,9 +114,11 @@ def oscillator(x, ts, omega=7.0):
 def single(x, ts, omega=7.0):
     B1, k, c1, A, phi, v = x
     model = SingleTorsionPendulum(
-        drive=SineDrive(A=A, omega=omega), spring=LinearSpring(k), bearing=Bearing(c1, 0.0, 1e3),
+        drive=SineDrive(A=A, omega=omega),
+        spring=LinearSpring(k),
+        bearing=Bearing(c1, 0.0, 1e3),
         B1=B1,
-    )  # fmt: skip
+    )
     return simulate(model, ts, jnp.stack([phi, 0.0, v, 0.0]), tolerance=1e-10)
 
 
@@ -144,9 +146,11 @@ def test_single_pendulum_is_a_damped_oscillator():
 def test_single_pendulum_with_dry_friction():
     # what is left of the double one with a rider without inertia to speak of
     model = SingleTorsionPendulum(
-        drive=SineDrive(A=0.18, omega=13.09), spring=LinearSpring(0.45),
-        bearing=Bearing(2.2e-3, 5e-3, 5e4), B1=1.2e-3,
-    )  # fmt: skip
+        drive=SineDrive(A=0.18, omega=13.09),
+        spring=LinearSpring(0.45),
+        bearing=Bearing(2.2e-3, 5e-3, 5e4),
+        B1=1.2e-3,
+    )
     ts = np.linspace(0.0, 1.0, 251)
     expected = reference(BENCH | dict(B2=1e-12, Tv=0.0, Ts1=0.0, Tst=0.0), ts)
     np.testing.assert_allclose(simulate(model, ts).phi1, expected[:, 0], rtol=0.0, atol=1e-6)

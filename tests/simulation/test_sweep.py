@@ -175,17 +175,24 @@ def test_effects_vary_too():
         (several(3), TS[[0, 1, 1]], None, "`ts` must increase"),
         (
             presets.double_pendulum(**BENCH | {"k": np.ones(3), "B2": np.ones(2)}),
-            TS, None, "equally many, but there are .2, 3.",
+            TS,
+            None,
+            "equally many, but there are .2, 3.",
         ),
         (
             presets.double_pendulum(**BENCH | {"k": np.ones((3, 2))}),
-            TS, None, "spring.k has shape .3, 2.",
+            TS,
+            None,
+            "spring.k has shape .3, 2.",
         ),
         (
-            presets.double_pendulum(**BENCH | {"k": np.ones(0)}), TS, None, "at least one pendulum",
+            presets.double_pendulum(**BENCH | {"k": np.ones(0)}),
+            TS,
+            None,
+            "at least one pendulum",
         ),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_fit(model, ts, y0, said):
     with pytest.raises(ValueError, match=said) as raised:
         sweep(model, ts, y0)

@@ -71,9 +71,10 @@ def march(form, problem, n):
 
 
 @pytest.mark.parametrize(
-    ("problem", "n"), [(MildKaps(), 20), (Kaps(), 16), (Driven(), 20)],
+    ("problem", "n"),
+    [(MildKaps(), 20), (Kaps(), 16), (Driven(), 20)],
     ids=["mild", "stiff", "driven"],
-)  # fmt: skip
+)
 def test_rodas_converges_at_order_four(problem, n):
     errors = np.array([march(RODAS4, problem, m) for m in (n, 2 * n, 4 * n)])
     np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 4.0, atol=0.3)

@@ -70,7 +70,16 @@ def variational(
 
     start = np.concatenate([np.asarray(y0, float)[None], np.eye(nd, c)]).ravel()
     z = odeint(
-        right_hand_side, start, ts, tfirst=True, Dfun=band, ml=c - 1, mu=c - 1, rtol=1e-10,
-        atol=1e-11, mxstep=1_000_000, hmax=0.01,
-    ).reshape(len(ts), 1 + nd, c)  # fmt: skip
+        right_hand_side,
+        start,
+        ts,
+        tfirst=True,
+        Dfun=band,
+        ml=c - 1,
+        mu=c - 1,
+        rtol=1e-10,
+        atol=1e-11,
+        mxstep=1_000_000,
+        hmax=0.01,
+    ).reshape(len(ts), 1 + nd, c)
     return z[:, 0], z[:, 1:].transpose(0, 2, 1)

@@ -30,8 +30,11 @@ def part_of_key(case: str, kind: str, sizes: dict[str, float]) -> dict:
         "given": {
             "effects": {
                 id: {
-                    "sizes": {"a": size}, "shapes": {}, "unit": ["1"],
-                    "location": LOCATIONS[id][0], "channel": LOCATIONS[id][1],
+                    "sizes": {"a": size},
+                    "shapes": {},
+                    "unit": ["1"],
+                    "location": LOCATIONS[id][0],
+                    "channel": LOCATIONS[id][1],
                     "in_catalogue": id != "motor_stall" and id not in COUSINS,
                 }
                 for id, size in sizes.items()
@@ -39,7 +42,7 @@ def part_of_key(case: str, kind: str, sizes: dict[str, float]) -> dict:
             "parameters": {"k": 0.45, "B1": 1.2e-3},
             "runs": [{"file": "run-01.csv", "release": 0.5, "values": {}}],
         },
-    }  # fmt: skip
+    }
 
 
 def diagnosis_of(

@@ -24,7 +24,9 @@ LAWS = {
     "bearing_drag_power": ("column", {}, lambda a: -a * 2.0**1.6),
     "bearing_square": ("bearing", dict(n=3.0, beta=1.0), lambda a: a),
     "bearing_bump": (
-        "bearing", dict(centre=0.2, width=0.1), lambda a: a * math.exp(-0.5),
+        "bearing",
+        dict(centre=0.2, width=0.1),
+        lambda a: a * math.exp(-0.5),
     ),
     "bearing_warmup_exponential": ("bearing", dict(tau=0.2), lambda a: a * E01),
     "bearing_asymmetry_speed": ("bearing", dict(vs=1.0), lambda a: a * 2.0 / 3.0),
@@ -36,26 +38,34 @@ LAWS = {
     "contact_cogging_saw": ("contact", dict(n=2.0, beta=1.0), lambda a: -a * 1.8 / math.pi),
     "contact_vibration_square": ("grip", dict(W=2.0), lambda a: -a),
     "contact_vibration_chirp": (
-        "grip", dict(W=2.0, rise=0.2), lambda a: a * math.cos(4 * math.pi * 1.01 * 1.0),
+        "grip",
+        dict(W=2.0, rise=0.2),
+        lambda a: a * math.cos(4 * math.pi * 1.01 * 1.0),
     ),
     "spring_hardening_quintic": ("column", {}, lambda a: -BENCH.k * a * 0.25**5),
     "spring_hardening_exponential": (
-        "column", dict(w=0.5), lambda a: -BENCH.k * a * 0.5 * (math.exp(0.5) - 1.5),
+        "column",
+        dict(w=0.5),
+        lambda a: -BENCH.k * a * 0.5 * (math.exp(0.5) - 1.5),
     ),
     "spring_asymmetry_smooth": (
-        "column", dict(w=0.1), lambda a: BENCH.k * a * (math.hypot(0.25, 0.1) - 0.1),
+        "column",
+        dict(w=0.1),
+        lambda a: BENCH.k * a * (math.hypot(0.25, 0.1) - 0.1),
     ),
     "spring_asymmetry_quadratic": ("column", {}, lambda a: BENCH.k * a * 0.0625),
     "spring_relaxation_exponential": ("column", dict(tau=0.2), lambda a: -BENCH.k * a * E01 * 0.25),
     "column_tilt_second": (
-        "column", dict(beta=1.0, r=0.5), lambda a: -a * (math.sin(1.3) + 0.5 * math.sin(2.6)),
+        "column",
+        dict(beta=1.0, r=0.5),
+        lambda a: -a * (math.sin(1.3) + 0.5 * math.sin(2.6)),
     ),
     "sensor1_eccentric": ("sensor1", dict(c=1.0), lambda a: a * (math.sin(1.3) - math.sin(1.0))),
     "sensor2_eccentric": ("sensor2", dict(c=1.0), lambda a: a * (math.sin(0.6) - math.sin(1.0))),
     "sensor1_compression": ("sensor1", dict(w=0.5), lambda a: -a * (0.3 - 0.5 * math.tanh(0.6))),
     "sensor1_drift_exponential": ("sensor1", dict(tau=0.2), lambda a: 0.3 * a * E01),
     "sensor2_drift_exponential": ("sensor2", dict(tau=0.2), lambda a: -0.4 * a * E01),
-}  # fmt: skip
+}
 
 
 def instant() -> Instant:

@@ -7,8 +7,12 @@ from trials import truth
 from trials.judge import among_first, judge, said, tied
 
 SPRING, TILT, WEAR, CROSS, TURNS = (
-    "spring_asymmetry", "column_tilt", "contact_wear", "sensor_crosstalk", "drive_frequency",
-)  # fmt: skip
+    "spring_asymmetry",
+    "column_tilt",
+    "contact_wear",
+    "sensor_crosstalk",
+    "drive_frequency",
+)
 
 
 def one(id=SPRING, size=0.02):

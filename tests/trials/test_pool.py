@@ -13,9 +13,9 @@ from tp_jax.executors import Ended
 from trials.growing import PLANNED, rig
 
 SEALED = {"shrink": 0.9, "best": 0.95, "harm_windowed": False, "harm_free_run": None}
-FOUND = diagnosis_of(
-    "explained", ["column_tilt"], least={"column_tilt": 0.01}, shrink=0.8
-) | {"causes": [{"effect": "column_tilt", "parameters": {}, "probability": 0.97}]}  # fmt: skip
+FOUND = diagnosis_of("explained", ["column_tilt"], least={"column_tilt": 0.01}, shrink=0.8) | {
+    "causes": [{"effect": "column_tilt", "parameters": {}, "probability": 0.97}]
+}
 QUIET = diagnosis_of("no_gap")
 
 
@@ -132,8 +132,11 @@ def test_two_calls_do_not_draw_the_same(pools, capsys):
 def test_the_rigs_of_a_pool_are_an_endless_fair_row():
     kinds = [rig(n, 5).kind for n in range(1, 2 * PLANNED["clean"] + 1)]
     assert {kind: kinds.count(kind) for kind in set(kinds)} == {
-        "one": 40, "none": 24, "outside": 12, "two": 12,
-    }  # fmt: skip
+        "one": 40,
+        "none": 24,
+        "outside": 12,
+        "two": 12,
+    }
     assert rig(45, 5) == rig(45, 5) != rig(45, 6)
     assert len({rig(n, 5).seed for n in range(1, 89)}) == 88
     assert rig(3, 5, "rough").name == "rough-00003"

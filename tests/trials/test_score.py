@@ -17,12 +17,16 @@ SPRING, TILT, WEAR = "spring_asymmetry", "column_tilt", "contact_wear"
 FOUND, MIXED_UP, MISSED, BOTH = (
     diagnosis_of("explained", [SPRING], least={SPRING: 0.005}, shrink=0.95),
     diagnosis_of(
-        "explained", [TILT], candidates=[TILT, SPRING], tied=[[SPRING, TILT]],
-        least={SPRING: 0.005}, shrink=0.85,
+        "explained",
+        [TILT],
+        candidates=[TILT, SPRING],
+        tied=[[SPRING, TILT]],
+        least={SPRING: 0.005},
+        shrink=0.85,
     ),
     diagnosis_of("no_gap", candidates=[SPRING, TILT, WEAR], least={WEAR: 0.08}),
     diagnosis_of("explained", [SPRING, WEAR], shrink=1.0, least={SPRING: 0.005, WEAR: 0.08}),
-)  # fmt: skip
+)
 
 CASES = (
     ("one", {SPRING: 0.02}, FOUND),
@@ -107,9 +111,11 @@ def test_nothing_to_ask(trial):
 def test_wilson():
     # Newcombe (1998), Statistics in Medicine 17, table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29
     for yes, n, low, high in [
-        (81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611),
+        (81, 263, 0.2553, 0.3662),
+        (15, 148, 0.0624, 0.1605),
+        (0, 20, 0.0, 0.1611),
         (1, 29, 0.0061, 0.1718),
-    ]:  # fmt: skip
+    ]:
         of = share([True] * yes + [False] * (n - yes))
         assert of["value"] == yes / n
         assert of["ci95"] == pytest.approx([low, high], abs=5e-5)

@@ -141,8 +141,9 @@ def _finer(
             continue
 
         def alike(values: Iterable[float], factor: float, wanted: float = wanted) -> bool:
-            return all(each > 0.0 and abs(math.log(each / wanted)) < math.log(factor)
-                       for each in values)  # fmt: skip
+            return all(
+                each > 0.0 and abs(math.log(each / wanted)) < math.log(factor) for each in values
+            )
 
         if scales and alike(scales.values(), policy.near) and alike(noise, policy.alike):
             return _of_column("phi1", unit, recordings)
@@ -158,10 +159,12 @@ def _noise_ratio(recording: Recording) -> float:
 
 def _of_column(channel: str, unit: str, recordings: Sequence[Recording]) -> Finding:
     return Finding(
-        "units", "wrong", tuple(each.label for each in recordings),
+        "units",
+        "wrong",
+        tuple(each.label for each in recordings),
         f"{channel} looks in {NAMES[unit]}, by the half circle on which friction puts the rider",
         f'write unit = "{unit}" for {channel} under [format.columns]',
-    )  # fmt: skip
+    )
 
 
 def _of_file(recording: Recording, odd: Mapping[str, Odd], level: Level, by: str) -> Finding:
@@ -173,8 +176,10 @@ def _of_file(recording: Recording, odd: Mapping[str, Odd], level: Level, by: str
     size = f"{ratio:.3g} times too large" if ratio > 1.0 else f"{1 / ratio:.3g} times too small"
     mend = advice(recording, {channel: each.unit for channel, each in odd.items()})
     return Finding(
-        "units", level, (recording.label,),
+        "units",
+        level,
+        (recording.label,),
         f"{names} {verb} in {told} and not as in the other recordings, {size} by the {by}",
         mend if level == "wrong" else f"{mend} if so",
         {f"ratio_{channel}": each.ratio for channel, each in odd.items()},
-    )  # fmt: skip
+    )

@@ -58,13 +58,16 @@ class Checked:
             "good": not self.wrong,
             "findings": [
                 {
-                    "kind": each.kind, "level": each.level, "recordings": list(each.recordings),
-                    "text": each.sentence, "numbers": dict(each.numbers),
+                    "kind": each.kind,
+                    "level": each.level,
+                    "recordings": list(each.recordings),
+                    "text": each.sentence,
+                    "numbers": dict(each.numbers),
                 }
                 for each in self.findings
             ],
             "shares": dict(self.shares),
-        }  # fmt: skip
+        }
 
 
 def check(
@@ -108,8 +111,12 @@ def examine(campaign: Campaign, policy: CheckPolicy | None = None) -> Checked:
     for recording in recordings:
         found += sampling.findings(recording, policy.sampling, policy.clip)
     # of a motion in another unit nothing else can be said
-    odd = {label for each in found if each.kind == "units" and each.level == "wrong"
-           for label in each.recordings}  # fmt: skip
+    odd = {
+        label
+        for each in found
+        if each.kind == "units" and each.level == "wrong"
+        for label in each.recordings
+    }
     found = [
         each
         for each in found
@@ -132,6 +139,11 @@ def _same_angle(campaign: Campaign) -> list[Finding]:
     if not labels:
         return []
     return [
-        Finding("rider", "wrong", labels, "phi1 and phi2 are the same numbers",
-                "name the right column for each under [format.columns]")
-    ]  # fmt: skip
+        Finding(
+            "rider",
+            "wrong",
+            labels,
+            "phi1 and phi2 are the same numbers",
+            "name the right column for each under [format.columns]",
+        )
+    ]

@@ -104,24 +104,28 @@ def findings(driven: Sequence[Driven], policy: DrivePolicy) -> list[Finding]:
         if each.share < policy.wrong and each.steady:
             found.append(
                 Finding(
-                    "frequency", "wrong", (each.recording.label,),
+                    "frequency",
+                    "wrong",
+                    (each.recording.label,),
                     f"phi1 moves at {each.moves_at:.4g} rad/s and not at its omega of {omega:.4g}",
                     f"write omega = {each.moves_at:.4g} if that is what it was driven at, or name "
                     "the right file",
                     numbers,
                 )
-            )  # fmt: skip
+            )
             continue
         moves = f", most is at {each.moves_at:.4g} rad/s" if math.isfinite(each.moves_at) else ""
         found.append(
             Finding(
-                "frequency", "doubtful", (each.recording.label,),
+                "frequency",
+                "doubtful",
+                (each.recording.label,),
                 f"only {each.share:.0%} of phi1's motion is at its omega of {omega:.4g} "
                 f"rad/s{moves}",
                 "see whether omega, the file and the time's unit are right",
                 numbers,
             )
-        )  # fmt: skip
+        )
     return [_same(mistake, runs) for mistake, runs in by_mistake.items()] + found
 
 
@@ -131,10 +135,13 @@ def _same(mistake: Mistake, runs: Sequence[Driven]) -> Finding:
     told = {"omega": omega, "right": right}
     at = f"phi1 moves at {runs[0].moves_at:.4g} rad/s where omega is {omega:.4g}, so that "
     return Finding(
-        "units", "wrong", tuple(run.recording.label for run in runs),
-        at + mistake.wrong.format(**told), mistake.mend.format(**told),
+        "units",
+        "wrong",
+        tuple(run.recording.label for run in runs),
+        at + mistake.wrong.format(**told),
+        mistake.mend.format(**told),
         {"share": max(run.share for run in runs), "moves_at": runs[0].moves_at},
-    )  # fmt: skip
+    )
 
 
 def _look(recording: Recording, policy: DrivePolicy) -> Driven:

@@ -32,10 +32,12 @@ def findings(recordings: Sequence[Recording]) -> list[Finding]:
         rows_of[key] = slowest.rows
     return [
         Finding(
-            "held", "wrong", tuple(labels),
+            "held",
+            "wrong",
+            tuple(labels),
             f"readings of {names} come {rate} times a second, and each is written in {rows} rows",
             f"keep one of {rows} rows, as held = true under [format] does",
             {"rate": float(rate), "rows": rows_of[names, rate, rows]},
         )
         for (names, rate, rows), labels in alike.items()
-    ]  # fmt: skip
+    ]

@@ -17,9 +17,26 @@ from tp_jax.checks.survey import Survey, survey
 from tp_jax.recordings import CampaignError
 
 NOT_DATA = {
-    ".toml", ".md", ".json", ".html", ".py", ".ipynb", ".png", ".jpg", ".jpeg", ".svg", ".pdf",
-    ".yaml", ".yml", ".ini", ".cfg", ".log", ".zip", ".docx", ".m",
-}  # fmt: skip
+    ".toml",
+    ".md",
+    ".json",
+    ".html",
+    ".py",
+    ".ipynb",
+    ".png",
+    ".jpg",
+    ".jpeg",
+    ".svg",
+    ".pdf",
+    ".yaml",
+    ".yml",
+    ".ini",
+    ".cfg",
+    ".log",
+    ".zip",
+    ".docx",
+    ".m",
+}
 """Ends of names of files that hold no recording."""
 
 STEADY = 0.6

@@ -98,13 +98,15 @@ def findings(runs: Sequence[Dragged], policy: RiderPolicy) -> list[Finding]:
     if rms[likely] > policy.right:
         return [
             Finding(
-                "rider", "doubtful", labels,
+                "rider",
+                "doubtful",
+                labels,
                 f"phi2 is {abs(off[0].h):.2g} times phi1 at an angle of "
                 f"{np.degrees(np.angle(off[0].h)):.0f} degrees, which no friction does to a rider",
                 "see whether phi2 is measured against the column, and in its sense",
                 numbers,
             )
-        ]  # fmt: skip
+        ]
     return [Finding("rider", "wrong", labels, likely.wrong, likely.mend, numbers)]
 
 

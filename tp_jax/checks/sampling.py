@@ -22,10 +22,12 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
     unit = _unit_of_time(recording, step, policy)
     if unit is not None:
         doubt(
-            "units", f"there are {step:.4g} s between samples, and phi1 swings once in "
+            "units",
+            f"there are {step:.4g} s between samples, and phi1 swings once in "
             f"{_period(recording):.4g} s, so that the times are probably in {_NAMES[unit]}",
-            f'write unit = "{unit}" for t under [format.columns] if they are', step=step,
-        )  # fmt: skip
+            f'write unit = "{unit}" for t under [format.columns] if they are',
+            step=step,
+        )
     if recording.omega is not None:
         period = 2.0 * np.pi / recording.omega
         if period / step < policy.fewest:
@@ -33,30 +35,34 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
                 "sampling",
                 f"there are {period / step:.2g} samples in a period of the drive, fewer than "
                 f"{policy.fewest:g}",
-                "record at a higher rate", samples=period / step,
-            )  # fmt: skip
+                "record at a higher rate",
+                samples=period / step,
+            )
         if recording.duration / period < policy.periods:
             doubt(
                 "sampling",
                 f"it lasts {recording.duration / period:.2g} periods of the drive, fewer than "
                 f"{policy.periods:g}",
-                "record for longer", periods=recording.duration / period,
-            )  # fmt: skip
+                "record for longer",
+                periods=recording.duration / period,
+            )
     width = float(np.ptp(recording.phi1))
     if width > policy.widest and not abs(recording.phi1[-1] - recording.phi1[0]) > 0.5 * width:
         doubt(
-            "units", f"phi1 spans {width:.3g} rad, {np.degrees(width):.0f} degrees",
+            "units",
+            f"phi1 spans {width:.3g} rad, {np.degrees(width):.0f} degrees",
             'write unit = "deg" for phi1 and phi2 under [format.columns] if they are degrees',
             span=width,
-        )  # fmt: skip
+        )
     noise = noise_level(recording.t, recording.phi1)
     deviation = float(np.std(recording.phi1))
     if deviation < policy.signal * noise:
         doubt(
             "motion",
             f"phi1 moves by {deviation:.2g} rad rms at a noise of {noise:.2g} rad",
-            "drive it further, or use a better sensor", signal=deviation / noise,
-        )  # fmt: skip
+            "drive it further, or use a better sensor",
+            signal=deviation / noise,
+        )
     if not recording.forced:
         third = recording.n // 3
         first, last = np.std(recording.phi1[:third]), np.std(recording.phi1[-third:])
@@ -67,7 +73,7 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
                 "end as at its beginning",
                 "give omega and forced = true if the motor ran, or a span from the release on",
                 growth=float(last / first),
-            )  # fmt: skip
+            )
     for name, angle in recording.channels.items():
         times, end = stops(angle, clip)
         if times:
@@ -75,8 +81,10 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
                 "clipped",
                 f"{name} stops short at {end:.4g} rad {times} times, as where a sensor or its "
                 "converter ends",
-                "set its range wider, or drive it less far", times=times, at=end,
-            )  # fmt: skip
+                "set its range wider, or drive it less far",
+                times=times,
+                at=end,
+            )
     return found
 
 

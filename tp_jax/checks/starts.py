@@ -29,14 +29,16 @@ def findings(recordings: Sequence[Recording], policy: StartPolicy) -> list[Findi
     first = late[0]
     return [
         Finding(
-            "clock", "doubtful", tuple(run.label for run in late),
+            "clock",
+            "doubtful",
+            tuple(run.label for run in late),
             f"times begin at {first.t[0]:.4g} s where the run begins from rest, so that the drive "
             "has another phase at time 0 than in other runs",
             "write wrap = true for t under [format.columns], which counts from the first row, "
             "unless the motor's sine ran on between the runs",
             {"begins": float(first.t[0])},
         )
-    ]  # fmt: skip
+    ]
 
 
 def _from_rest(run: Recording, policy: StartPolicy) -> bool:

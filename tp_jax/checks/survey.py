@@ -123,9 +123,15 @@ def survey(file: Path) -> Survey:
     return Survey(
         None if layout is None else layout.delimiter or " ",
         None if layout is None else layout.decimal,
-        bool(names), sources, why, read.values["t"], read.values["phi1"],
-        holds, (*notes, *read.notes), read.values.get("phi2"),
-    )  # fmt: skip
+        bool(names),
+        sources,
+        why,
+        read.values["t"],
+        read.values["phi1"],
+        holds,
+        (*notes, *read.notes),
+        read.values.get("phi2"),
+    )
 
 
 def _is_time(names: list[str], i: int) -> bool:

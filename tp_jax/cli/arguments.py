@@ -296,14 +296,19 @@ def add_progress(parser: argparse.ArgumentParser) -> None:
 def add_executor(parser: argparse._ActionsContainer) -> None:
     """--executor and --workers, of what does many independent pieces of work."""
     parser.add_argument(
-        "--executor", choices=KINDS, default=KINDS[0],
+        "--executor",
+        choices=KINDS,
+        default=KINDS[0],
         help="what does the work: processes of this machine (default), Ray, Dask, or Slurm's jobs; "
         "docs/scale.md says how each is told where",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--workers", metavar="N", type=workers, default=available(),
+        "--workers",
+        metavar="N",
+        type=workers,
+        default=available(),
         help="how much is done at once (default: as many as processors)",
-    )  # fmt: skip
+    )
 
 
 def executor_of(args: argparse.Namespace) -> ExecutorChoice:
@@ -320,9 +325,10 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 def add_parent(parser: argparse.ArgumentParser) -> None:
     """Adds an option for another program that runs the command: it ends with that program."""
     parser.add_argument(
-        "--until-stdin-closes", action="store_true",
+        "--until-stdin-closes",
+        action="store_true",
         help="end when standard input does: with the program that started this one",
-    )  # fmt: skip
+    )
 
 
 def add_overwrite(parser: argparse.ArgumentParser) -> None:
@@ -348,9 +354,11 @@ def add_campaign(
         parser.add_argument("campaign", metavar="CAMPAIGN", help=text)
     else:
         parser.add_argument(
-            "campaign", metavar="CAMPAIGN", nargs="*" if several else "?",
+            "campaign",
+            metavar="CAMPAIGN",
+            nargs="*" if several else "?",
             help=f"{text}; default: {default}",
-        )  # fmt: skip
+        )
     drive = parser.add_mutually_exclusive_group()
     drive.add_argument(
         "--omega",

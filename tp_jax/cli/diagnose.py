@@ -52,26 +52,34 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--out", metavar="DIR", help="gets report.html and diagnosis.json (./NAME-diagnosis)"
     )
     parser.add_argument(
-        "--figures", action="store_true",
+        "--figures",
+        action="store_true",
         help="write the report's figures to DIR/figures too, each as PNG and SVG",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--tolerance", metavar="X", type=tolerance, default=0.0,
+        "--tolerance",
+        metavar="X",
+        type=tolerance,
+        default=0.0,
         help="rad rms; a gap below it matters to nobody (0)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--without", metavar="EFFECT", action="append", default=[],
+        "--without",
+        metavar="EFFECT",
+        action="append",
+        default=[],
         help="id of an effect not to ask about, since you ruled it out (`tp-jax effects` lists "
         "them); may be given several times",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--resume", action="store_true", help="go on from a diagnosis that was broken off"
     )
     of_fleet = parser.add_argument_group("of a fleet")
     of_fleet.add_argument(
-        "--shared", action="store_true",
+        "--shared",
+        action="store_true",
         help="ask which effects the rigs share that no rig may show alone; at least three rigs",
-    )  # fmt: skip
+    )
     add_executor(of_fleet)
     add_seed(parser)
     add_json(parser)
@@ -123,9 +131,15 @@ def run(args: argparse.Namespace) -> int:
     kept = folder / FITS
     with shown(quiet=args.quiet, form=args.progress) as progress, _kept(kept, resume=args.resume):
         result = diagnosed(
-            campaign, folder, seed=args.seed, tolerance=args.tolerance, without=args.without,
-            figures=args.figures, resume=args.resume, progress=progress,
-        )  # fmt: skip
+            campaign,
+            folder,
+            seed=args.seed,
+            tolerance=args.tolerance,
+            without=args.without,
+            figures=args.figures,
+            resume=args.resume,
+            progress=progress,
+        )
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:

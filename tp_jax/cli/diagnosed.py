@@ -25,9 +25,17 @@ def default_folder(name: str) -> Path:
 
 
 def diagnosed(
-    campaign: "Campaign", folder: Path, *, seed: int, tolerance: float, without: Sequence[str] = (),
-    figures: bool, resume: bool, progress: Progress, screen: bool = False,
-) -> dict[str, Any]:  # fmt: skip
+    campaign: "Campaign",
+    folder: Path,
+    *,
+    seed: int,
+    tolerance: float,
+    without: Sequence[str] = (),
+    figures: bool,
+    resume: bool,
+    progress: Progress,
+    screen: bool = False,
+) -> dict[str, Any]:
     """Diagnoses a campaign into a folder, which gets diagnosis.json and the report; the result.
 
     Args:
@@ -42,9 +50,13 @@ def diagnosed(
 
     kept, report = folder / FITS, folder / REPORT
     asked: dict[str, Any] = {
-        "seed": seed, "tolerance": tolerance, "without": without, "progress": progress,
-        "checkpoint": kept, "resume": resume,
-    }  # fmt: skip
+        "seed": seed,
+        "tolerance": tolerance,
+        "without": without,
+        "progress": progress,
+        "checkpoint": kept,
+        "resume": resume,
+    }
     if screen:
         result = _with_screen(campaign, folder, asked)
     else:

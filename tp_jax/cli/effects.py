@@ -48,11 +48,17 @@ def run(args: argparse.Namespace) -> None:
             print(f"{name:{width}}  {effect.location:8}  {told(effect)['says']}")
         return
     labels = {
-        "says": "What happens", "location": "Where", "formula": "Formula",
-        "amplitudes": "Amplitudes", "shapes": "Shape constants", "needs": "Needs",
-        "looks_like": "Looks like", "source": "Source", "remedy": "What to do",
+        "says": "What happens",
+        "location": "Where",
+        "formula": "Formula",
+        "amplitudes": "Amplitudes",
+        "shapes": "Shape constants",
+        "needs": "Needs",
+        "looks_like": "Looks like",
+        "source": "Source",
+        "remedy": "What to do",
         "by_hand": "Check by hand",
-    }  # fmt: skip
+    }
     print(args.id)
     for key, value in told(chosen[args.id]).items():
         if value:

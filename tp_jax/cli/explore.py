@@ -58,33 +58,47 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     add_port(parser)
     parser.add_argument(
-        "--campaign", metavar="DIR", required=True,
+        "--campaign",
+        metavar="DIR",
+        required=True,
         help="the campaign's folder; its recordings count, and a new one is made",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--limit", metavar="ANGLE", type=up_to(positive, LARGEST_ANGLE, "rad"),
+        "--limit",
+        metavar="ANGLE",
+        type=up_to(positive, LARGEST_ANGLE, "rad"),
         help="rad that neither column nor rider may be predicted to exceed",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--omega", metavar="MIN:MAX", type=frequencies,
+        "--omega",
+        metavar="MIN:MAX",
+        type=frequencies,
         help="rad/s of the drive; default: about the resonance that the first run shows",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--no-release", action="store_true",
+        "--no-release",
+        action="store_true",
         help="only driven runs; needs --omega, whose MIN is the first run",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--runs", metavar="N", type=count, default=MOST_RUNS,
+        "--runs",
+        metavar="N",
+        type=count,
+        default=MOST_RUNS,
         help=f"recordings of the campaign at most ({MOST_RUNS})",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--duration", metavar="S", type=seconds, default=DURATION,
+        "--duration",
+        metavar="S",
+        type=seconds,
+        default=DURATION,
         help=f"seconds of a run ({DURATION:g})",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--yes", action="store_true",
+        "--yes",
+        action="store_true",
         help="do not wait for Enter where somebody has to set the rig",
-    )  # fmt: skip
+    )
     add_line(parser)
     add_rig(parser)
     add_json(parser)
@@ -129,9 +143,15 @@ def run_explore(args: argparse.Namespace) -> None:
 
     try:
         explored = explore(
-            folder, record, _diagnoser(args, limits), limits=limits, most=args.runs,
-            duration=args.duration, amplitude=args.amplitude, diagnosed=tell,
-        )  # fmt: skip
+            folder,
+            record,
+            _diagnoser(args, limits),
+            limits=limits,
+            most=args.runs,
+            duration=args.duration,
+            amplitude=args.amplitude,
+            diagnosed=tell,
+        )
     except KeyboardInterrupt:
         raise KeyboardInterrupt("interrupted; the same command goes on from here.") from None
     if args.json is not None:

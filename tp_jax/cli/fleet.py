@@ -113,15 +113,23 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
         resume = (rig.folder / FITS).is_file()
         try:
             result = diagnosed(
-                campaign, rig.folder, seed=rig.seed, tolerance=rig.tolerance, without=rig.without,
-                figures=rig.figures, resume=resume, progress=silent, screen=True,
-            )  # fmt: skip
+                campaign,
+                rig.folder,
+                seed=rig.seed,
+                tolerance=rig.tolerance,
+                without=rig.without,
+                figures=rig.figures,
+                resume=resume,
+                progress=silent,
+                screen=True,
+            )
         except InputError:
             if not resume:  # nothing leads on from there
                 forget(rig.folder / FITS)
             raise
-    notices = [" ".join(str(each.message).split()) for each in said
-               if issubclass(each.category, Notice)]  # fmt: skip
+    notices = [
+        " ".join(str(each.message).split()) for each in said if issubclass(each.category, Notice)
+    ]
     return {
         **row(rig.name, result, f"{rig.folder.name}/{REPORT}"),
         "notices": " ".join(notices) or None,
@@ -139,11 +147,18 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
     ready(folder / TABLE, args.json)
     rigs = [
         Rig(
-            each, campaign.absolute(), (folder / each).absolute(), args.omega, args.decay,
-            args.seed, args.tolerance, args.figures, tuple(args.without),
+            each,
+            campaign.absolute(),
+            (folder / each).absolute(),
+            args.omega,
+            args.decay,
+            args.seed,
+            args.tolerance,
+            args.figures,
+            tuple(args.without),
         )
         for each, campaign in zip(names_of(campaigns), campaigns, strict=True)
-    ]  # fmt: skip
+    ]
     pieces = [Piece(rig.name, (rig,), _of(rig)) for rig in rigs]
     if not args.resume:
         forget_pieces(folder, pieces)
@@ -164,10 +179,13 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
     known = counts(rows)
     shared = _shared(rigs, rows, args.seed) if args.shared else None
     result = {
-        "schema": SCHEMA, "fleet": name, "rigs": rows, "verdicts": known,
+        "schema": SCHEMA,
+        "fleet": name,
+        "rigs": rows,
+        "verdicts": known,
         **({} if shared is None else {"shared": shared}),
         "provenance": {"version": __version__, "seed": args.seed, "wall_s": round(seconds, 2)},
-    }  # fmt: skip
+    }
     write_json(folder / TABLE, result)
     write_text(folder / CSV, files.csv_text(rows))
     files.write_parquet(rows, folder / PARQUET)
@@ -254,8 +272,14 @@ def _status(ended: Sequence[Ended]) -> int:
 def _of(rig: Rig) -> str:
     """Digest of all that goes into a rig's row: a row of other data or settings is not taken."""
     options = (
-        __version__, rig.omega, rig.decay, rig.seed, rig.tolerance, rig.figures, rig.without,
-    )  # fmt: skip
+        __version__,
+        rig.omega,
+        rig.decay,
+        rig.seed,
+        rig.tolerance,
+        rig.figures,
+        rig.without,
+    )
     digest = hashlib.sha256(repr(options).encode())
     toml = rig.campaign / "campaign.toml" if os.path.isdir(rig.campaign) else rig.campaign
     for file in [toml, *_listed(toml)]:

@@ -26,9 +26,14 @@ if TYPE_CHECKING:
 
 MODELS = ("newton", "paper")
 METHODS = (
-    "least-squares", "nelder-mead", "variable-projection", "levenberg-marquardt", "dogleg",
-    "gauss-newton", "bfgs",
-)  # fmt: skip
+    "least-squares",
+    "nelder-mead",
+    "variable-projection",
+    "levenberg-marquardt",
+    "dogleg",
+    "gauss-newton",
+    "bfgs",
+)
 OBJECTIVES = ("windows", "free-run")
 LOSSES = ("linear", "huber", "soft-l1", "cauchy")
 SAMPLINGS = ("sobol", "latin-hypercube")

@@ -161,9 +161,13 @@ def _bars() -> Iterator[Progress]:
             return Text(_compiling.described())
 
     columns = (
-        SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(),
-        TimeElapsedColumn(), TextColumn("{task.fields[left]}"), CompilingColumn(),
-    )  # fmt: skip
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
+        CompilingColumn(),
+    )
     with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
         watch, bar = Watch(), bars.add_task("", total=None, left="")
 

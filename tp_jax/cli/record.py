@@ -58,9 +58,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("--out", metavar="FILE.csv", help="the file to write, never over another")
     where.add_argument(
-        "--campaign", metavar="DIR",
+        "--campaign",
+        metavar="DIR",
         help="or a campaign's folder: a new file there, and its entry in campaign.toml",
-    )  # fmt: skip
+    )
     run = parser.add_mutually_exclusive_group()
     run.add_argument("--omega", metavar="W", type=frequency_above_zero, help="drive it at W rad/s")
     run.add_argument(
@@ -98,13 +99,19 @@ def add_line(parser: argparse.ArgumentParser) -> None:
         "--calibration", metavar="FILE", help="a TOML file; default: what the rig announces"
     )
     parser.add_argument(
-        "--patience", metavar="S", type=up_to(positive, LONGEST_WAIT, "s"), default=5.0,
+        "--patience",
+        metavar="S",
+        type=up_to(positive, LONGEST_WAIT, "s"),
+        default=5.0,
         help="seconds to wait for an answer of the rig, or for samples (5)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--reconnect", metavar="S", type=up_to(positive, LONGEST_WAIT, "s"), default=30.0,
+        "--reconnect",
+        metavar="S",
+        type=up_to(positive, LONGEST_WAIT, "s"),
+        default=30.0,
         help="seconds to wait for a rig that was unplugged (30)",
-    )  # fmt: skip
+    )
 
 
 def run_record(args: argparse.Namespace) -> None:

@@ -76,9 +76,12 @@ def add_rig(parser: argparse.ArgumentParser) -> None:
         help="samples a second (1000)",
     )
     group.add_argument(
-        "--speed", metavar="X", type=speed, default=1.0,
+        "--speed",
+        metavar="X",
+        type=speed,
+        default=1.0,
         help="times real time (1); max: as fast as it is read",
-    )  # fmt: skip
+    )
     group.add_argument(
         "--noise",
         metavar="RAD",

@@ -112,9 +112,14 @@ def run(args: argparse.Namespace) -> None:
     chosen = {name: value for name, value in chosen.items() if value is not None}
     with shown(quiet=args.quiet, form=args.progress) as progress:
         found = tp.sensitivity(
-            campaign, model=args.model, fix=fix, profile=tuple(args.profile), seed=args.seed,
-            progress=progress, **chosen,
-        )  # fmt: skip
+            campaign,
+            model=args.model,
+            fix=fix,
+            profile=tuple(args.profile),
+            seed=args.seed,
+            progress=progress,
+            **chosen,
+        )
         result = plain(found.to_dict())
         written = []
         if args.out is not None:

@@ -26,9 +26,11 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         ),
     )
     parser.add_argument(
-        "folder", metavar="DIR", nargs="?",
+        "folder",
+        metavar="DIR",
+        nargs="?",
         help=f"with recordings; default: a new folder ./{NEW}",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--port", metavar="N", type=port, default=0, help="of this computer (a free one)"
     )

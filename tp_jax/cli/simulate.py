@@ -39,10 +39,14 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--preset", choices=PRESETS, default=PRESETS[0], help=f"default {PRESETS[0]}"
     )
     parser.add_argument(
-        "--set", metavar="NAME=VALUE", type=fixed, action="append", default=[],
+        "--set",
+        metavar="NAME=VALUE",
+        type=fixed,
+        action="append",
+        default=[],
         help=f"another number than the preset's, in SI units: {', '.join((*COLUMN, *RIDER))}; "
         "may be given often",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--single", action="store_true", help="the column alone, without a rider: t,phi1"
     )

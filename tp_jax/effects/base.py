@@ -40,9 +40,17 @@ CHANNELS = {
 }
 
 HOOKS = (
-    "clock", "phase", "drive", "spring", "bearing", "contact", "column", "base", "sensor1",
+    "clock",
+    "phase",
+    "drive",
+    "spring",
+    "bearing",
+    "contact",
+    "column",
+    "base",
+    "sensor1",
     "sensor2",
-)  # fmt: skip
+)
 
 
 @dataclasses.dataclass(frozen=True)

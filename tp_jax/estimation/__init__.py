@@ -16,7 +16,7 @@ blocks, intervals, noise_levels      scatter of blocks, intervals, noise by chan
 free_runs                            the paper's objective (17), of many sets of numbers at once
 simplex, nelder_mead                 the paper's method, for optimistix, from one simplex or many;
                                      free_run_search: on (17)
-starts, ladder, multistart           from where, over which horizons, who met whom (optima, outcome)
+starts, schedule, multistart         from where, over which horizons, who met whom (optima, outcome)
 success, checkpoint, kept_fits       how often it works and what it costs; going on after Ctrl-C
 assemble                             a pendulum from the numbers of a fit
 methods, identify, identification    all of it for a user

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from tp_jax.effects import AnyLaw, Effect, catalogue
-from tp_jax.estimation.fitted import Anchor, Fit
+from tp_jax.estimation.fitted import Fit, GaussianPrior
 from tp_jax.estimation.layout import Layout, Unknown, Values, order
 from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.period import horizons_of, typical_period
@@ -60,7 +60,7 @@ RIDER = ("B2", "Tv", "Ts1", "Tst", "T0")
 
 
 @dataclasses.dataclass(frozen=True)
-class Setting:
+class PreparedCampaign:
     """A campaign made ready: layout, prepared recordings, noise, horizons, what is unknown.
 
     Attributes:
@@ -72,7 +72,7 @@ class Setting:
         horizons: window lengths [s], growing.
         capacity: samples of a block.
         fixed: values the user or the campaign gave.
-        priors: those from the campaign (name: value, sd).
+        prior_values: those from the campaign (name: value, sd).
         model: "newton" or "paper".
         bounds: by name, where the user gave them.
         widths: (r,) samples of the window that smooths a recording.
@@ -92,7 +92,7 @@ class Setting:
     horizons: tuple[float, ...]
     capacity: int
     fixed: dict[str, float]
-    priors: dict[str, tuple[float, float]]
+    prior_values: dict[str, tuple[float, float]]
     model: str
     bounds: dict[str, tuple[float, float]]
     widths: np.ndarray
@@ -163,9 +163,13 @@ class Setting:
         # Windows longer than planned for take a larger block, and with it another compilation.
         capacity = room(windows, self.capacity)
         return Problem(
-            self.layout, self.prepared, windows, capacity, self.fixed["B1"],
+            self.layout,
+            self.prepared,
+            windows,
+            capacity,
+            self.fixed["B1"],
             programs=self.programs,
-        )  # fmt: skip
+        )
 
     def unknowns(self) -> tuple[Unknown, ...]:
         """The baseline's unknowns and the nuisances that go with it."""
@@ -180,17 +184,17 @@ class Setting:
             names += ["zero1"]
         return tuple(Unknown(n) for n in names if n not in self.fixed)
 
-    def anchors(self) -> tuple[Anchor, ...]:
+    def priors(self) -> tuple[GaussianPrior, ...]:
         """Priors of the baseline's unknowns."""
-        anchors = []
+        priors = []
         names = [u.name for u in self.unknowns()]
-        for name, (value, sd) in self.priors.items():
+        for name, (value, sd) in self.prior_values.items():
             spec = BY_NAME[name]
             centre = float(spec.to_coordinate(value))
-            anchors.append(Anchor(Unknown(name), centre, sd / spec.slope(value)))
+            priors.append(GaussianPrior(Unknown(name), centre, sd / spec.slope(value)))
         if "T0" in names:
-            anchors.append(Anchor(Unknown("T0"), *T0_PRIOR))
-        return tuple(anchors)
+            priors.append(GaussianPrior(Unknown("T0"), *T0_PRIOR))
+        return tuple(priors)
 
 
 def _sine(r: Recording) -> bool:
@@ -205,7 +209,7 @@ def prepare_campaign(
     bound: dict[str, tuple[float, float]] | None = None,
     effects: Sequence[Effect] | None = None,
     without: Collection[str] = (),
-) -> Setting:
+) -> PreparedCampaign:
     """Reads noise, sampling and period off the recordings and lays out the estimation.
 
     `without` are ids of effects and laws that are not asked about.
@@ -233,19 +237,32 @@ def prepare_campaign(
     horizons = horizons_of(period, step, float(np.median([r.duration for r in fitted])))
     counts = [round(horizons[-1] / step) + 2]
     fixed = {"B1": campaign.B1 or 1.0}
-    priors = {}
+    prior_values = {}
     for name in ("B2", "k"):
         known = getattr(campaign, name)
         if known is not None and known.sd is None:
             fixed[name] = known.value
         elif known is not None:
-            priors[name] = (known.value, known.sd)
+            prior_values[name] = (known.value, known.sd)
     fixed |= fix or {}
-    return Setting(
-        campaign, recordings, layout, prepared, levels, (levels, tuple(colours)), horizons,
-        sample_capacity(counts), fixed, priors, model, dict(bound or {}), widths, period, blocks,
+    return PreparedCampaign(
+        campaign,
+        recordings,
+        layout,
+        prepared,
+        levels,
+        (levels, tuple(colours)),
+        horizons,
+        sample_capacity(counts),
+        fixed,
+        prior_values,
+        model,
+        dict(bound or {}),
+        widths,
+        period,
+        blocks,
         ruled_out=frozenset(without),
-    )  # fmt: skip
+    )
 
 
 def _colours(recordings: Sequence[Recording], period: float) -> list[tuple[Colour, Colour]]:
@@ -262,7 +279,7 @@ def _colours(recordings: Sequence[Recording], period: float) -> list[tuple[Colou
     return out
 
 
-def initial_values(setting: Setting) -> Values:
+def initial_values(setting: PreparedCampaign) -> Values:
     """All numbers before any fit: the data's own start, and what is given."""
     campaign = setting.campaign
     B1 = setting.fixed["B1"]
@@ -283,19 +300,25 @@ def initial_values(setting: Setting) -> Values:
         rate = [1.0 / (end - begin)] * len(clocks)
     paper = setting.model == "paper"
     values: dict[str, object] = {
-        "B1": B1, "B2": B1, "k": B1, "T0": 1.0, "eps1": setting.eps, "eps2": setting.eps,
+        "B1": B1,
+        "B2": B1,
+        "k": B1,
+        "T0": 1.0,
+        "eps1": setting.eps,
+        "eps2": setting.eps,
         "reaction": PRINTED_REACTION if paper else NEWTON_REACTION,
         "omega": [r.omega if _sine(r) else 0.0 for r in setting.recordings],
         "running": [float(_sine(r)) for r in setting.recordings],
         "metered": [float(r.measured_drive) for r in setting.recordings],
-        "drift_middle": middle, "drift_rate": rate,
-    }  # fmt: skip
+        "drift_middle": middle,
+        "drift_rate": rate,
+    }
     out = Values.build(setting.layout, len(campaign.recordings), {**values, **start})
     return out.replace(setting.fixed)
 
 
-def grow(
-    setting: Setting,
+def fit_over_schedule(
+    setting: PreparedCampaign,
     values: Values,
     unknowns: Sequence[Unknown],
     *,
@@ -306,7 +329,7 @@ def grow(
 ) -> Fit:
     """Fits on a schedule of window lengths, with the friction's smoothing raised on the way."""
     horizons = setting.horizons if horizons is None else horizons
-    ladder = np.minimum(
+    schedule = np.minimum(
         np.geomspace(PAPER_EPS, setting.eps, max(len(horizons) - 1, 1)), setting.eps
     )
     result: Fit | None = None
@@ -318,13 +341,15 @@ def grow(
         last = i + 1 == len(horizons)
         if not last:
             problem = of_windows(problem, few_of(problem.windows.n))
-        eps = setting.eps if last else float(ladder[i])
+        eps = setting.eps if last else float(schedule[i])
         values = values.replace({"eps1": eps, "eps2": eps})
-        states = None if result is None else handed_on(result, problem)
+        states = None if result is None else warm_start_states(result, problem)
         how: dict[str, Any] = dict(
-            bounds=setting.bounds, anchors=[a for a in setting.anchors() if a.unknown in unknowns],
-            max_iterations=max_iterations, relative=1e-3 if i + 1 < len(horizons) else 1e-7,
-        )  # fmt: skip
+            bounds=setting.bounds,
+            priors=[a for a in setting.priors() if a.unknown in unknowns],
+            max_iterations=max_iterations,
+            relative=1e-3 if i + 1 < len(horizons) else 1e-7,
+        )
         result = fit(problem, values, unknowns, states, **how)
         if i == 0 and result.chi2_dof > POOR:
             # The short windows choose the valley. Steps of states and unknowns together are shorter
@@ -352,7 +377,7 @@ def few_of(count: int, most: int = MOST_WINDOWS) -> np.ndarray:
     return edges[:-1] + (within * np.diff(edges)).astype(int)
 
 
-def _slower(setting: Setting, found: Fit, how: dict[str, Any]) -> Fit:
+def _slower(setting: PreparedCampaign, found: Fit, how: dict[str, Any]) -> Fit:
     """The better of two fits: as found, and sought where its contact rises at speeds that are met.
 
     Only where that found rises at speeds too small to be met.
@@ -368,15 +393,20 @@ def _slower(setting: Setting, found: Fit, how: dict[str, Any]) -> Fit:
     start = found.values.replace({"T0": 1.0 / float(np.median(speed))})
     # held there first, or the others, which are those of another contact, would drive it back
     others = [u for u in found.unknowns if u.name != "T0"]
-    anchors = [a for a in how["anchors"] if a.unknown.name != "T0"]
-    held = fit(found.problem, start, others, found.states, **{**how, "anchors": anchors})
+    priors = [a for a in how["priors"] if a.unknown.name != "T0"]
+    held = fit(found.problem, start, others, found.states, **{**how, "priors": priors})
     other = fit(found.problem, held.values, found.unknowns, held.states, **how)
-    log.info("T0 %.3g instead of %.3g: chi2/dof %.5g, was %.5g", other.values.get("T0"),
-             found.values.get("T0"), other.chi2_dof, found.chi2_dof)  # fmt: skip
+    log.info(
+        "T0 %.3g instead of %.3g: chi2/dof %.5g, was %.5g",
+        other.values.get("T0"),
+        found.values.get("T0"),
+        other.chi2_dof,
+        found.chi2_dof,
+    )
     return min(found, other, key=lambda one: one.cost)
 
 
-def handed_on(before: Fit, problem: Problem) -> np.ndarray:
+def warm_start_states(before: Fit, problem: Problem) -> np.ndarray:
     """Window states for a new cut, read off the trajectories of the last one."""
     states = problem.initial_states(before.values)
     old, new = before.problem.windows, problem.windows

@@ -6,13 +6,13 @@ are not.
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 
 BLOCK = 2.0  # periods of the motion, so that a rig's time scale changes nothing
 
 
-def blocks_of(fit: Fit, setting: Setting) -> np.ndarray:
+def blocks_of(fit: Fit, setting: PreparedCampaign) -> np.ndarray:
     """Block of each window (w,): consecutive windows of a recording, two periods or more."""
     w = fit.problem.windows
     out = np.zeros(w.n, dtype=int)

@@ -78,10 +78,13 @@ class Checkpoint:
         self.done.update(results)
         text = json.dumps(
             {
-                "schema": self.contents.version, "sha256": self.digest, "key": self.key,
-                "done_sha256": digest_of(self.done), "done": self.done,
+                "schema": self.contents.version,
+                "sha256": self.digest,
+                "key": self.key,
+                "done_sha256": digest_of(self.done),
+                "done": self.done,
             }
-        )  # fmt: skip
+        )
         self.path.parent.mkdir(parents=True, exist_ok=True)
         with replaced(self.path) as part:
             part.write_text(text, encoding="utf-8")

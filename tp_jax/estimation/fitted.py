@@ -12,11 +12,11 @@ from tp_jax.model.parameters import Parameter
 
 
 @dataclasses.dataclass(frozen=True)
-class Anchor:
-    """A prior on one unknown in its estimation coordinate: centre and standard deviation."""
+class GaussianPrior:
+    """A prior on one unknown in its estimation coordinate: mean and standard deviation."""
 
     unknown: Unknown
-    centre: float
+    mean: float
     sd: float
 
 
@@ -40,7 +40,7 @@ class Fit:
     converged: bool
     evaluations: int
     message: str
-    anchors: tuple[Anchor, ...] = ()
+    priors: tuple[GaussianPrior, ...] = ()
 
     @property
     def dof(self) -> int:
@@ -55,7 +55,7 @@ class Fit:
     def information(self) -> np.ndarray:
         """H (u, u) in physical units, priors of the unknowns included."""
         H = self.eliminated.H.sum(axis=0)
-        for a in self.anchors:
+        for a in self.priors:
             i = self.unknowns.index(a.unknown)
             spec = parameter(self.problem, a.unknown)
             slope = spec.slope(self.values.get(a.unknown.name, a.unknown.recording))

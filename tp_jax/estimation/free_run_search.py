@@ -12,7 +12,7 @@ import numpy as np
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import parameter
 from tp_jax.estimation.free_runs import FreeRuns
 from tp_jax.estimation.layout import Unknown, Values
@@ -30,7 +30,7 @@ Progress = Callable[[str, float | None], None]
 
 
 def free_run_search(
-    setting: Setting,
+    setting: PreparedCampaign,
     starts: Sequence[Values],
     progress: Progress,
     *,
@@ -77,9 +77,12 @@ def free_run_search(
 
     def search(share: np.ndarray) -> Searched:
         return minimise_many(
-            function, solver, np.asarray(initial_simplex(ones[share])), (x0[share], size[share]),
+            function,
+            solver,
+            np.asarray(initial_simplex(ones[share])),
+            (x0[share], size[share]),
             callback=count,
-        )  # fmt: skip
+        )
 
     with ThreadPoolExecutor(threads) as pool:
         parts = list(pool.map(search, shares))
@@ -88,13 +91,16 @@ def free_run_search(
     best = x0 + (found.x - 1.0) * size
     return [
         (
-            start.put(unknowns, np.clip(x, *limits.T)), float(y), int(evaluations), bool(ended),
+            start.put(unknowns, np.clip(x, *limits.T)),
+            float(y),
+            int(evaluations),
+            bool(ended),
             CONVERGED if ended else EXHAUSTED,
         )
         for start, x, y, evaluations, ended in zip(
             starts, best, found.value, found.evaluations, found.converged, strict=True
         )
-    ]  # fmt: skip
+    ]
 
 
 class _Scaled(eqx.Module):

@@ -7,10 +7,10 @@ import numpy as np
 
 from tp_jax.estimation.checkpoint import Checkpoint
 from tp_jax.estimation.free_run_search import ITERATIONS, free_run_search
-from tp_jax.estimation.ladder import Ladder
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.multistart import Interrupted, Progress, Trial
 from tp_jax.estimation.outcome import Outcome
+from tp_jax.estimation.schedule import Schedule
 from tp_jax.estimation.starts import Start
 
 BATCH = 64  # searches side by side, and between two writings of the file
@@ -18,7 +18,7 @@ BATCH = 64  # searches side by side, and between two writings of the file
 
 def search_free_runs(
     starts: Sequence[Start],
-    ladder: Ladder,
+    schedule: Schedule,
     *,
     checkpoint: Checkpoint | None,
     progress: Progress,
@@ -28,7 +28,7 @@ def search_free_runs(
 
     Arguments, result and exceptions are those of `multistart.search`.
     """
-    setting, n = ladder.setting, len(starts)
+    setting, n = schedule.setting, len(starts)
     eps = setting.sharpest  # a simplex has no derivatives that would mind
     done: dict[str, Any] = {} if checkpoint is None else dict(checkpoint.done)
     try:
@@ -37,7 +37,7 @@ def search_free_runs(
             begin = [starts[i].values.replace({"eps1": eps, "eps2": eps}) for i in batch]
             found = free_run_search(setting, begin, progress, max_iterations=max_iterations)
             stored = {
-                f"end {i}": _outcome(ladder, *each).to_dict()
+                f"end {i}": _outcome(schedule, *each).to_dict()
                 for i, each in zip(batch, found, strict=True)
             }
             done |= stored
@@ -51,12 +51,12 @@ def search_free_runs(
 
 
 def _outcome(
-    ladder: Ladder, values: Values, y: float, evaluations: int, converged: bool, message: str
+    schedule: Schedule, values: Values, y: float, evaluations: int, converged: bool, message: str
 ) -> Outcome:
     """Returns what the numbers found are worth, and how well they are known."""
     if not np.isfinite(y):
-        x = values.pick(ladder.setting.unknowns())
+        x = values.pick(schedule.setting.unknowns())
         return Outcome.failed(x, "No free run from here could be integrated.")
-    fit = ladder.as_it_is(values)
+    fit = schedule.as_it_is(values)
     fit.evaluations, fit.converged, fit.message = evaluations, converged, message
     return Outcome.of(fit, keep_states=True, objective=y)

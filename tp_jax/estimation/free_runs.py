@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.windows import Prepared
 from tp_jax.model.arrays import AnyArray
@@ -40,7 +40,7 @@ class FreeRuns(eqx.Module):
     layout: Layout = eqx.field(static=True)
     groups: tuple["Group", ...]
 
-    def __init__(self, setting: Setting):
+    def __init__(self, setting: PreparedCampaign):
         self.layout = Layout(setting.campaign.model, ())
         self.groups = tuple(Group(setting, which) for which in _groups(setting))
 
@@ -74,12 +74,18 @@ class FreeRuns(eqx.Module):
             return model.derivative(t, y)
 
         run = integrate(
-            field, tuple(p), start, group.ts, (p[index["eps1"]], p[index["eps2"]]),
-            Control(angle=SWEPT), width=lanes(SIDE_BY_SIDE, p.shape[1]),
+            field,
+            tuple(p),
+            start,
+            group.ts,
+            (p[index["eps1"]], p[index["eps2"]]),
+            Control(angle=SWEPT),
+            width=lanes(SIDE_BY_SIDE, p.shape[1]),
             per_step=samples_per_step(group.ts.size),
-            velocities=False, max_steps=STEPS * group.ts.size,
+            velocities=False,
+            max_steps=STEPS * group.ts.size,
             active=None if active is None else active * size,
-        )  # fmt: skip
+        )
         y = (run.y + zeros.T[:, None]).reshape(-1, size, group.ts.size, 2)
         squares = ((y - group.readings) ** 2).mean(axis=2)[..., np.array(group.channels)]
         return squares.mean(axis=-1).sum(axis=1)
@@ -99,7 +105,7 @@ class Group(eqx.Module):
     readings: np.ndarray
     pieces: np.ndarray | None
 
-    def __init__(self, setting: Setting, which: Sequence[int]):
+    def __init__(self, setting: PreparedCampaign, which: Sequence[int]):
         data = [setting.prepared[r] for r in which]
         self.which = tuple(which)
         self.channels = tuple(np.flatnonzero(data[0].channels).tolist())
@@ -139,7 +145,7 @@ def first_state(data: Prepared, recording: Recording) -> np.ndarray:
     return state
 
 
-def _groups(setting: Setting) -> list[list[int]]:
+def _groups(setting: PreparedCampaign) -> list[list[int]]:
     """Fitted recordings by their times; a measured drive is a group of its own."""
     groups: list[list[int]] = []
     for r in setting.fitted:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax._digits import digits_of
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.multistart import Trial
 from tp_jax.model.parameters import BASE
@@ -79,7 +79,7 @@ def told(success: SuccessRecord, starts: Sequence[StartRecord]) -> str:
     return text + "."
 
 
-def parameter_table(found: dict[str, dict], setting: Setting) -> dict[str, Size]:
+def parameter_table(found: dict[str, dict], setting: PreparedCampaign) -> dict[str, Size]:
     """Every parameter: value, unit, ci95, whether the data identify it; found: see `intervals`."""
     sizes = {
         n: Size(e["value"], e["unit"], e["ci95"] and tuple(e["ci95"]), e["identifiable"])
@@ -96,7 +96,7 @@ def parameter_table(found: dict[str, dict], setting: Setting) -> dict[str, Size]
     return {**out, **sizes}
 
 
-def warnings(fit: Fit, setting: Setting, entries: dict[str, dict]) -> list[Warned]:
+def warnings(fit: Fit, setting: PreparedCampaign, entries: dict[str, dict]) -> list[Warned]:
     """Lists what a user must know before using the numbers; entries: see `intervals`."""
     found = []
     torques = [p.name for p in BASE if p.per_inertia]

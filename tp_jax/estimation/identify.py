@@ -12,7 +12,7 @@ from tp_jax._blas import one_blas_thread
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation import methods
-from tp_jax.estimation.baseline import Setting, prepare_campaign
+from tp_jax.estimation.baseline import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.checkpoint import Checkpoint
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.free_run_search import ITERATIONS
@@ -24,12 +24,12 @@ from tp_jax.estimation.identification import (
     warnings,
 )
 from tp_jax.estimation.intervals import correlations
-from tp_jax.estimation.ladder import Ladder, Objective
 from tp_jax.estimation.multistart import Trial, search
 from tp_jax.estimation.noise_levels import fitted_noise, with_noise
 from tp_jax.estimation.optimistix_methods import Solver
 from tp_jax.estimation.ridges import intervals_over_ridges
 from tp_jax.estimation.robust import LOSSES, Loss
+from tp_jax.estimation.schedule import Objective, Schedule
 from tp_jax.estimation.starts import Sampling
 from tp_jax.estimation.starts import starts as made_starts
 from tp_jax.estimation.success import success
@@ -111,21 +111,30 @@ def identify(
     setting = prepare_campaign(
         campaign, model=model, fix=dict(fix or {}), bound=dict(bound or {}), effects=()
     )
-    kept = _checkpoint(checkpoint, resume, setting, {
-        "method": methods.described(chosen), "objective": aim, "loss": loss, "seed": seed,
-        "sampling": sampling, "raw starts": raw_starts,
-        "iterations": iterations if chosen == methods.NELDER_MEAD else None,
-        "number of starts": None if sampling == "sobol" else starts,
-    })  # fmt: skip
+    kept = _checkpoint(
+        checkpoint,
+        resume,
+        setting,
+        {
+            "method": methods.described(chosen),
+            "objective": aim,
+            "loss": loss,
+            "seed": seed,
+            "sampling": sampling,
+            "raw starts": raw_starts,
+            "iterations": iterations if chosen == methods.NELDER_MEAD else None,
+            "number of starts": None if sampling == "sobol" else starts,
+        },
+    )
     report("a start from the data", None)
     begun = made_starts(setting, starts, seed=seed, sampling=sampling, raw=raw_starts)
-    ladder = Ladder(setting, methods.fitter(chosen, setting, aim), objective=aim, loss=loss)
+    schedule = Schedule(setting, methods.fitter(chosen, setting, aim), objective=aim, loss=loss)
     if chosen == methods.NELDER_MEAD:
         trials = search_free_runs(
-            begun, ladder, checkpoint=kept, progress=report, max_iterations=iterations
+            begun, schedule, checkpoint=kept, progress=report, max_iterations=iterations
         )
     else:
-        trials = search(begun, ladder, checkpoint=kept, progress=report)
+        trials = search(begun, schedule, checkpoint=kept, progress=report)
     report("intervals", None)
     best = min(range(starts), key=lambda i: trials[i].end.cost)
     if not np.isfinite(trials[best].end.cost):
@@ -133,9 +142,9 @@ def identify(
             "No start came to anything: the motion could not be integrated from any of them; "
             "loosen --fix and --bound, or try more starts."
         )
-    fit = _rebuilt(ladder, trials[best])
+    fit = _rebuilt(schedule, trials[best])
     if noise == "fit":
-        fit, setting = _with_fitted_noise(ladder, fit)
+        fit, setting = _with_fitted_noise(schedule, fit)
     entries = intervals_over_ridges(fit, setting, loss)
     lowest = trials[best].end.cost
     reached = [t.end.cost - lowest <= REACHED for t in trials]
@@ -155,39 +164,45 @@ def identify(
         success=SuccessRecord.read(found.to_dict()),
         warnings=(*warnings(fit, setting, entries), *start_warnings(trials, reached)),
         provenance=IdentifyProvenance(
-            version=__version__, seed=seed, data_sha256=campaign.data_sha256,
-            eps=fit.values.get("eps2"), horizon_s=fit.problem.windows.horizon, loss=loss,
-            noise=noise, sampling=sampling, raw_starts=raw_starts,
+            version=__version__,
+            seed=seed,
+            data_sha256=campaign.data_sha256,
+            eps=fit.values.get("eps2"),
+            horizon_s=fit.problem.windows.horizon,
+            loss=loss,
+            noise=noise,
+            sampling=sampling,
+            raw_starts=raw_starts,
             wall_s=round(time.perf_counter() - begin, 2),
         ),
         fit=fit,
         trials=tuple(trials),
-    )  # fmt: skip
+    )
 
 
-def _rebuilt(ladder: Ladder, trial: Trial) -> Fit:
+def _rebuilt(schedule: Schedule, trial: Trial) -> Fit:
     """The fit an outcome is of, the same whether it was just found or read from a file."""
-    values = trial.end.values(trial.start.values, ladder.setting.unknowns())
-    fit = ladder.as_it_is(values, trial.end.states)
+    values = trial.end.values(trial.start.values, schedule.setting.unknowns())
+    fit = schedule.as_it_is(values, trial.end.states)
     fit.converged, fit.message = trial.end.converged, trial.end.message
     fit.evaluations = trial.alone
     return fit
 
 
-def _with_fitted_noise(ladder: Ladder, fit: Fit) -> tuple[Fit, Setting]:
+def _with_fitted_noise(schedule: Schedule, fit: Fit) -> tuple[Fit, PreparedCampaign]:
     """Noise levels and parameters in turn, until the levels stay."""
     for _ in range(NOISE_ROUNDS):
         rise = fitted_noise(fit)
-        setting = with_noise(ladder.setting, ladder.setting.levels * rise)
-        ladder = ladder.of(setting)
-        fit = ladder.refine(fit)
+        setting = with_noise(schedule.setting, schedule.setting.levels * rise)
+        schedule = schedule.of(setting)
+        fit = schedule.refine(fit)
         if np.all(np.abs(rise - 1.0) < SETTLED):
             break
-    return fit, ladder.setting
+    return fit, schedule.setting
 
 
 def _checkpoint(
-    path: str | Path | None, resume: bool, setting: Setting, settings: dict[str, Any]
+    path: str | Path | None, resume: bool, setting: PreparedCampaign, settings: dict[str, Any]
 ) -> Checkpoint | None:
     if path is None:
         if resume:
@@ -199,14 +214,18 @@ def _checkpoint(
         for n, value in (("B2", campaign.B2), ("k", campaign.k))
     }
     data = {
-        "data": campaign.data_sha256, "known": known,
+        "data": campaign.data_sha256,
+        "known": known,
         "recordings": [
             [r.label, r.forced, r.omega, r.start, r.held_out, r.measured_drive]
             for r in setting.recordings
         ],
-        "model": setting.model, "fixed parameters": setting.fixed, "bounds": setting.bounds,
-        "version": __version__, "eps": setting.sharpest,
-    }  # fmt: skip
+        "model": setting.model,
+        "fixed parameters": setting.fixed,
+        "bounds": setting.bounds,
+        "version": __version__,
+        "eps": setting.sharpest,
+    }
     kept = Checkpoint(Path(path), data | settings)
     if resume:
         kept.resume()

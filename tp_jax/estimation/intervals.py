@@ -3,7 +3,7 @@
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit, parameter
 
@@ -11,7 +11,7 @@ NOISE = 1.1  # chi2/dof that noise may have, whose level is an estimate
 CHANCE = 0.01  # that blocks of noise scatter so much that it counts as more
 
 
-def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
+def covariance(fit: Fit, setting: PreparedCampaign) -> tuple[np.ndarray, np.ndarray]:
     """Covariance (u, u) of the unknowns, and the degrees of freedom of each variance (u,).
 
     It is that which the noise gives (and all of a misfit beyond it), but for unknowns in whose
@@ -44,29 +44,27 @@ def covariance(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
     return out, dof
 
 
-def correlations(fit: Fit, setting: Setting) -> dict[str, list]:
+def correlations(fit: Fit, setting: PreparedCampaign) -> dict[str, list]:
     """Correlations of the errors of the campaign-wide unknowns that are off their bounds.
 
     Returns:
         names (q,) and matrix (q, q); see `covariance`.
     """
     cov, _ = covariance(fit, setting)
-    mine = [
-        i for i, u in enumerate(fit.unknowns) if u.recording is None and cov[i, i] > 0.0
-    ]  # fmt: skip
+    mine = [i for i, u in enumerate(fit.unknowns) if u.recording is None and cov[i, i] > 0.0]
     sd = np.sqrt(np.diag(cov)[mine])
     matrix = np.clip(cov[np.ix_(mine, mine)] / np.outer(sd, sd), -1.0, 1.0)
     return {"names": [fit.unknowns[i].name for i in mine], "matrix": matrix.tolist()}
 
 
-def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
+def intervals(fit: Fit, setting: PreparedCampaign) -> dict[str, dict]:
     """Each campaign-wide unknown: value, unit, ci95, whether the data identify it.
 
     An unknown counts as identified where it is off its bounds and its standard error is below
     half of its value (or, for what may be zero, of its typical size).
     """
     cov, dof = covariance(fit, setting)
-    anchored = {a.unknown: a for a in fit.anchors}
+    with_prior = {a.unknown: a for a in fit.priors}
     out = {}
     for i, u in enumerate(fit.unknowns):
         if u.recording is not None:
@@ -77,9 +75,12 @@ def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
         t = float(tails.student_level(0.025, dof[i]))
         if fit.at_bound[i]:
             out[u.name] = {
-                "value": value, "unit": spec.unit, "ci95": [value, None], "identifiable": False,
+                "value": value,
+                "unit": spec.unit,
+                "ci95": [value, None],
+                "identifiable": False,
                 "standard_error": None,
-            }  # fmt: skip
+            }
             continue
         if spec.transform == "log":
             half = min(t * sd / max(value, 1e-300), 50.0)
@@ -88,10 +89,13 @@ def intervals(fit: Fit, setting: Setting) -> dict[str, dict]:
             low, high = value - t * sd, value + t * sd
         low, high = max(low, spec.lower), min(high, spec.upper)
         size = abs(value) if u.name not in ("phase", "zero1", "level") else spec.typical
-        prior = anchored.get(u)
+        prior = with_prior.get(u)
         held = prior is not None and sd > 0.5 * prior.sd * spec.slope(value)
         out[u.name] = {
-            "value": value, "unit": spec.unit, "ci95": [float(low), float(high)],
-            "identifiable": bool(sd < 0.5 * size and not held), "standard_error": sd,
-        }  # fmt: skip
+            "value": value,
+            "unit": spec.unit,
+            "ci95": [float(low), float(high)],
+            "identifiable": bool(sd < 0.5 * size and not held),
+            "standard_error": sd,
+        }
     return out

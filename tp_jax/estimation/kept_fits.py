@@ -72,9 +72,14 @@ class KeptFits:
         self._new, self._written = {}, self._now()
 
     def fit(
-        self, fitter: Fitter, problem: Problem, values: Values, unknowns: Sequence[Unknown],
-        states: np.ndarray | None, options: Mapping[str, Any],
-    ) -> Fit:  # fmt: skip
+        self,
+        fitter: Fitter,
+        problem: Problem,
+        values: Values,
+        unknowns: Sequence[Unknown],
+        states: np.ndarray | None,
+        options: Mapping[str, Any],
+    ) -> Fit:
         """The fit, looked up where it was kept, done and kept otherwise."""
         name = _digest(fitter, problem, values, unknowns, states, options)
         known = self.checkpoint.done.get(name) or self._new.get(name)
@@ -119,9 +124,12 @@ def taken_or_done(fitter: Fitter) -> Fitter:
 
     @functools.wraps(fitter)
     def fit(
-        problem: Problem, values: Values, unknowns: Sequence[Unknown],
-        states: np.ndarray | None = None, **options: Any,
-    ) -> Fit:  # fmt: skip
+        problem: Problem,
+        values: Values,
+        unknowns: Sequence[Unknown],
+        states: np.ndarray | None = None,
+        **options: Any,
+    ) -> Fit:
         kept = _current.get()
         if kept is None:
             return fitter(problem, values, unknowns, states, **options)
@@ -151,8 +159,10 @@ def fits_checkpoint(
     key = {
         "recordings": {r.label: _of_fields(r, but=("file",)) for r in campaign.recordings},
         "rig": _of_fields(campaign, but=("recordings", "folder")),
-        "version": __version__, "source": source_digest(), **options,
-    }  # fmt: skip
+        "version": __version__,
+        "source": source_digest(),
+        **options,
+    }
     kept = Checkpoint(Path(path), key, FITS)
     if resume:
         kept.resume()
@@ -186,17 +196,27 @@ def _feed(digest: Any, value: Any) -> None:
 
 
 def _digest(
-    fitter: Fitter, problem: Problem, values: Values, unknowns: Sequence[Unknown],
-    states: np.ndarray | None, options: Mapping[str, Any],
-) -> str:  # fmt: skip
+    fitter: Fitter,
+    problem: Problem,
+    values: Values,
+    unknowns: Sequence[Unknown],
+    states: np.ndarray | None,
+    options: Mapping[str, Any],
+) -> str:
     """SHA-256 of all that goes into a fit, but for the recordings, which the file's key names."""
     w = problem.windows
     noise = [(p.t.size, p.sigma.tolist(), p.channels.tolist(), p.colour) for p in problem.prepared]
     said = (
-        fitter.__module__, problem.tolerances, problem.B1, problem.capacity, w.horizon, noise,
-        list(unknowns), sorted((options.get("bounds") or {}).items()),
+        fitter.__module__,
+        problem.tolerances,
+        problem.B1,
+        problem.capacity,
+        w.horizon,
+        noise,
+        list(unknowns),
+        sorted((options.get("bounds") or {}).items()),
         sorted((name, value) for name, value in options.items() if name != "bounds"),
-    )  # fmt: skip
+    )
     digest = hashlib.sha256(repr(said).encode())
     for array in (w.recording, w.first, w.count, values.table, states):
         digest.update(b"none" if array is None else np.ascontiguousarray(array).tobytes())
@@ -206,17 +226,25 @@ def _digest(
 def _record(found: Fit, programs: Sequence[frozenset[str]]) -> dict[str, Any]:
     """A fit's end as JSON can hold it; programs: those that it was the first to need."""
     return {
-        "x": _packed(found.values.pick(found.unknowns)), "states": _packed(found.states),
-        "cost": float(found.cost).hex(), "message": found.message,
-        "evaluations": found.evaluations, "converged": bool(found.converged),
-        "programs": [sorted(ids) for ids in programs], "ends_at": _ends_at(found),
-    }  # fmt: skip
+        "x": _packed(found.values.pick(found.unknowns)),
+        "states": _packed(found.states),
+        "cost": float(found.cost).hex(),
+        "message": found.message,
+        "evaluations": found.evaluations,
+        "converged": bool(found.converged),
+        "programs": [sorted(ids) for ids in programs],
+        "ends_at": _ends_at(found),
+    }
 
 
 def _restored(
-    record: Mapping[str, Any], fitter: Fitter, problem: Problem, values: Values,
-    unknowns: Sequence[Unknown], options: Mapping[str, Any],
-) -> Fit | None:  # fmt: skip
+    record: Mapping[str, Any],
+    fitter: Fitter,
+    problem: Problem,
+    values: Values,
+    unknowns: Sequence[Unknown],
+    options: Mapping[str, Any],
+) -> Fit | None:
     """The fit of a record; None where it is not what the fit ended with."""
     x, states = _unpacked(record["x"]), _unpacked(record["states"])
     if x.size != len(unknowns) or states.size != 4 * problem.windows.n:
@@ -229,9 +257,11 @@ def _restored(
     if float(found.cost).hex() != record["cost"] or _ends_at(found) != record["ends_at"]:
         return None
     return dataclasses.replace(
-        found, converged=record["converged"], evaluations=record["evaluations"],
+        found,
+        converged=record["converged"],
+        evaluations=record["evaluations"],
         message=record["message"],
-    )  # fmt: skip
+    )
 
 
 def _ends_at(found: Fit) -> str:

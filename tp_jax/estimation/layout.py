@@ -75,10 +75,15 @@ class Layout:
                 scope = "recording" if a.per_recording else "campaign"
                 slots.append(
                     Parameter(
-                        effect.qualified(a.name), a.unit, a.lower, a.upper,
-                        scope=scope, typical=a.typical, per_inertia="N m" in a.unit,
+                        effect.qualified(a.name),
+                        a.unit,
+                        a.lower,
+                        a.upper,
+                        scope=scope,
+                        typical=a.typical,
+                        per_inertia="N m" in a.unit,
                     )
-                )  # fmt: skip
+                )
             for s in effect.shapes:
                 slots.append(
                     Parameter(effect.qualified(s.name), s.unit, min(s.grid), max(s.grid), "log")
@@ -200,13 +205,15 @@ class Layout:
         v = dict(zip(self.index, p, strict=True))
         zero = 0.0 * v["B1"]
         drive = LanewiseDrive(
-            A=v["A"] * v["running"], omega=v["omega"], offset=v["phase"],
+            A=v["A"] * v["running"],
+            omega=v["omega"],
+            offset=v["phase"],
             gain=v["gain"] * v["metered"],
             # The rest position is what is read, whatever the zero: the two hardly correlate then.
             level=(v["level"] - v["zero1"]) * v["metered"],
             piece=[zero] * 4 if piece is None else piece,
             left=zero if left is None else left,
-        )  # fmt: skip
+        )
         terms = tuple(
             Applied(e, {a.name: v[e.qualified(a.name)] for a in (*e.amplitudes, *e.shapes)})
             for e in self.effects

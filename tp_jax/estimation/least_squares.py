@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.fitted import Anchor, Fit, parameter
+from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
 from tp_jax.estimation.kept_fits import taken_or_done
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import columns, spread
@@ -27,7 +27,7 @@ def fit(
     states: np.ndarray | None = None,
     *,
     bounds: dict[str, tuple[float, float]] | None = None,
-    anchors: Sequence[Anchor] = (),
+    priors: Sequence[GaussianPrior] = (),
     max_iterations: int = 30,
     tolerance: float = 0.02,
     relative: float = 1e-7,
@@ -40,7 +40,7 @@ def fit(
         unknowns: what to fit.
         states: (w, 4) start of the window states; the smoothed readings if None.
         bounds: by name, instead of the parameters' own.
-        anchors: priors on unknowns.
+        priors: on unknowns.
         max_iterations: linearisations at most.
         tolerance: ends when a step promises a smaller drop of the sum of squares than this,
         relative: or than this part of it.
@@ -56,14 +56,14 @@ def fit(
     values = values.put(unknowns, x)
     states = problem.initial_states(values) if states is None else states
     lin = problem.linearise(values, states, slots)
-    cost = lin.cost() + _anchor_cost(values, anchors, problem)
+    cost = lin.cost() + _anchor_cost(values, priors, problem)
     converged, message = False, "The iteration limit was reached."
     if not np.isfinite(cost):
         message = "The start could not be integrated."
     for tried in range(1, max_iterations + 1):
         if not np.isfinite(cost):
             break
-        step = _step(lin, unknowns, specs, x, limits, anchors, damping)
+        step = _step(lin, unknowns, specs, x, limits, priors, damping)
         enough = max(tolerance, relative * cost)
         if step.promise < enough:
             converged, message = True, "The next step would gain nothing."
@@ -71,10 +71,11 @@ def fit(
         new_x, new_states = step.x, states + step.states
         new_values = values.put(unknowns, new_x)
         new_lin = problem.linearise(new_values, new_states, slots)
-        new_cost = new_lin.cost() + _anchor_cost(new_values, anchors, problem)
+        new_cost = new_lin.cost() + _anchor_cost(new_values, priors, problem)
         gain = (cost - new_cost) / step.promise
-        log.debug("fit: %d cost %.6g -> %.6g gain %.2f damping %.1e",
-                  tried, cost, new_cost, gain, damping)  # fmt: skip
+        log.debug(
+            "fit: %d cost %.6g -> %.6g gain %.2f damping %.1e", tried, cost, new_cost, gain, damping
+        )
         if new_cost < cost:
             x, states, values, lin = new_x, new_states, new_values, new_lin
             small = cost - new_cost < enough and damping < 1.0
@@ -91,9 +92,19 @@ def fit(
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
     at_bound = (x <= limits[:, 0]) | (x >= limits[:, 1])
     return Fit(
-        problem, values, states, unknowns, cost, elim, lin, at_bound, converged, tried, message,
-        tuple(anchors),
-    )  # fmt: skip
+        problem,
+        values,
+        states,
+        unknowns,
+        cost,
+        elim,
+        lin,
+        at_bound,
+        converged,
+        tried,
+        message,
+        tuple(priors),
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,26 +114,26 @@ class _Step:
     promise: float
 
 
-def _anchor_residual(a: Anchor, values: Values, problem: Problem) -> float:
+def _anchor_residual(a: GaussianPrior, values: Values, problem: Problem) -> float:
     spec = parameter(problem, a.unknown)
     u = spec.to_coordinate(values.get(a.unknown.name, a.unknown.recording))
-    return float((u - a.centre) / a.sd)
+    return float((u - a.mean) / a.sd)
 
 
-def _anchor_cost(values: Values, anchors: Sequence[Anchor], problem: Problem) -> float:
-    return sum(_anchor_residual(a, values, problem) ** 2 for a in anchors)
+def _anchor_cost(values: Values, priors: Sequence[GaussianPrior], problem: Problem) -> float:
+    return sum(_anchor_residual(a, values, problem) ** 2 for a in priors)
 
 
-def _step(lin, unknowns, specs, x, limits, anchors, damping) -> _Step:
+def _step(lin, unknowns, specs, x, limits, priors, damping) -> _Step:
     """Damped Gauss-Newton step; unknowns at a bound that push outward stay (active set)."""
     slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
     jac = spread(lin, unknowns) * slope
     elim = eliminate(lin.r, lin.states_jac, jac, damping)
     g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
-    for a in anchors:
+    for a in priors:
         i = unknowns.index(a.unknown)
         spec = specs[i]
-        g[i] += (float(spec.to_coordinate(x[i])) - a.centre) / a.sd**2
+        g[i] += (float(spec.to_coordinate(x[i])) - a.mean) / a.sd**2
         H[i, i] += 1.0 / a.sd**2
     lo = np.array([_coordinate(s, v) for s, v in zip(specs, limits[:, 0], strict=True)])
     hi = np.array([_coordinate(s, v) for s, v in zip(specs, limits[:, 1], strict=True)])

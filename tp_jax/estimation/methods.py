@@ -4,9 +4,9 @@ import functools
 
 from tp_jax.errors import InputError
 from tp_jax.estimation import optimistix_methods, variable_projection
-from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.ladder import Method, Objective, problem_of, rungs
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.optimistix_methods import SOLVER_KINDS, Solver
+from tp_jax.estimation.schedule import Method, Objective, problem_of, rungs
 
 LEAST_SQUARES, NELDER_MEAD = "least-squares", "nelder-mead"
 METHODS = (LEAST_SQUARES, NELDER_MEAD, *optimistix_methods.SOLVERS)
@@ -19,7 +19,7 @@ def usual_objective(method: str | Solver) -> Objective:
     return "free-run" if method == NELDER_MEAD else "windows"
 
 
-def fitter(name: str | Solver, setting: Setting, objective: Objective) -> Method:
+def fitter(name: str | Solver, setting: PreparedCampaign, objective: Objective) -> Method:
     """The function that fits unknowns and window states; see `variable_projection.fit`.
 
     For `nelder-mead`, which does not, the one that judges what it found.

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from tp_jax.estimation.checkpoint import Checkpoint
-from tp_jax.estimation.ladder import Ladder
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.optima import groups
 from tp_jax.estimation.outcome import Outcome
+from tp_jax.estimation.schedule import Schedule
 from tp_jax.estimation.starts import Start
 
 log = logging.getLogger(__name__)
@@ -36,9 +36,10 @@ class Interrupted(KeyboardInterrupt):
         self.done, self.total, self.kept = done, total, kept
         text = f"Interrupted after {done} of {total} starts"
         super().__init__(
-            f"{text}, which are lost." if kept is None
+            f"{text}, which are lost."
+            if kept is None
             else f"{text}, which are kept in {kept}; the same command with --resume goes on."
-        )  # fmt: skip
+        )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,13 +63,15 @@ class Trial:
         message = f"Met start {self.met + 1} in short windows." if joined else self.end.message
         return {
             "objective": self.end.objective if np.isfinite(self.end.objective) else None,
-            "converged": bool(self.end.converged), "evaluations": int(spent), "message": message,
-        }  # fmt: skip
+            "converged": bool(self.end.converged),
+            "evaluations": int(spent),
+            "message": message,
+        }
 
 
 def search(
     starts: Sequence[Start],
-    ladder: Ladder,
+    schedule: Schedule,
     *,
     checkpoint: Checkpoint | None = None,
     progress: Progress,
@@ -92,16 +95,16 @@ def search(
         if checkpoint is not None:
             checkpoint.put(stored)
 
-    n, unknowns = len(starts), ladder.setting.unknowns()
+    n, unknowns = len(starts), schedule.setting.unknowns()
     try:
         todo = [i for i in range(n) if f"start {i}" not in done]
         for batch in (todo[i : i + BATCH] for i in range(0, len(todo), BATCH)):
             progress(f"starts, {n} in all", (n - len(todo) + todo.index(batch[0])) / n)
             with ThreadPoolExecutor(WORKERS) as pool:
-                found = list(pool.map(lambda i: _near(ladder, starts[i].values), batch))
+                found = list(pool.map(lambda i: _near(schedule, starts[i].values), batch))
             keep({f"start {i}": o for i, o in zip(batch, found, strict=True)})
         near = [Outcome.from_dict(done[f"start {i}"]) for i in range(n)]
-        coordinates = [ladder.coordinates(o.x) for o in near]
+        coordinates = [schedule.coordinates(o.x) for o in near]
         stands = groups(near, coordinates)
         leaders = sorted(set(stands), key=lambda i: (near[i].cost, i))
         best = near[leaders[0]].cost
@@ -109,7 +112,7 @@ def search(
         def end(i: int) -> Outcome:
             values = near[i].values(starts[i].values, unknowns)
             left = near[i].cost > (1.0 + BEHIND) * best
-            return _end(ladder, near[i], values, left=left)
+            return _end(schedule, near[i], values, left=left)
 
         todo = [i for i in leaders if f"end {i}" not in done]
         for batch in (todo[i : i + WORKERS] for i in range(0, len(todo), WORKERS)):
@@ -129,20 +132,20 @@ def search(
     ]
 
 
-def _near(ladder: Ladder, values: Values) -> Outcome:
+def _near(schedule: Schedule, values: Values) -> Outcome:
     try:
-        return Outcome.of(ladder.first(values))
+        return Outcome.of(schedule.first(values))
     except np.linalg.LinAlgError as fault:  # a start can be anything: that is an answer too
         log.info("a start failed: %s", fault)
-        x = values.pick(ladder.setting.unknowns())
+        x = values.pick(schedule.setting.unknowns())
         return Outcome.failed(x, "The equations of a step could not be solved.")
 
 
-def _end(ladder: Ladder, near: Outcome, values: Values, *, left: bool) -> Outcome:
+def _end(schedule: Schedule, near: Outcome, values: Values, *, left: bool) -> Outcome:
     if not np.isfinite(near.cost):
         return dataclasses.replace(near, evaluations=0)
     if left:
-        end = Outcome.of(ladder.as_it_is(values))
+        end = Outcome.of(schedule.as_it_is(values))
         message = "Left behind: in short windows its chi-square is far from the best start's."
         return dataclasses.replace(end, converged=False, message=message)
-    return Outcome.of(ladder.climb(values), keep_states=True)
+    return Outcome.of(schedule.run(values), keep_states=True)

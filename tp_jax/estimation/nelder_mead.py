@@ -196,9 +196,12 @@ def minimise_many(
     lanes = jax.tree.map(lambda x: x[: len(simplices)], lanes)
     lane, best = np.arange(len(simplices)), np.argmin(lanes.values, axis=1)
     return Searched(
-        lanes.vertices[lane, best], lanes.values[lane, best],
-        np.asarray(jax.vmap(solver.converged)(lanes)), lanes.iterations, lanes.evaluations,
-    )  # fmt: skip
+        lanes.vertices[lane, best],
+        lanes.values[lane, best],
+        np.asarray(jax.vmap(solver.converged)(lanes)),
+        lanes.iterations,
+        lanes.evaluations,
+    )
 
 
 @eqx.filter_jit
@@ -226,9 +229,13 @@ def _chunk(
     def one(simplex: Simplex, args: Any) -> Simplex:
         best = simplex.vertices[jnp.argmin(simplex.values)]
         found = optx.minimise(
-            lambda y, _: fn(y, args, active), solver, best, options={"resume": simplex},
-            max_steps=CHUNK, throw=False,
-        )  # fmt: skip
+            lambda y, _: fn(y, args, active),
+            solver,
+            best,
+            options={"resume": simplex},
+            max_steps=CHUNK,
+            throw=False,
+        )
         return found.state.simplex
 
     return jax.vmap(one)(lanes, args)

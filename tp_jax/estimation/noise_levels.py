@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.windows import prepare
 from tp_jax.recordings import Colour
@@ -42,10 +42,10 @@ def fitted_noise(fit: Fit) -> np.ndarray:
 
 
 def with_noise(
-    setting: Setting,
+    setting: PreparedCampaign,
     levels: np.ndarray,
     colours: Sequence[tuple[Colour, Colour]] | None = None,
-) -> Setting:
+) -> PreparedCampaign:
     """A campaign with other noise.
 
     Args:

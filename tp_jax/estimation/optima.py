@@ -37,9 +37,10 @@ def groups(outcomes: Sequence[Outcome], coordinates: Sequence[np.ndarray]) -> li
     stands = [0] * len(outcomes)
     for i in sorted(range(len(outcomes)), key=lambda i: (outcomes[i].cost, i)):
         alike = (
-            j for j in leaders
+            j
+            for j in leaders
             if indistinguishable(outcomes[j], outcomes[i], coordinates[j], coordinates[i])
-        )  # fmt: skip
+        )
         stands[i] = next(alike, i)
         if stands[i] == i:
             leaders.append(i)

@@ -21,7 +21,7 @@ from jaxtyping import Array, Float, Int, PyTree, Scalar
 from tp_jax.estimation import variable_projection
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.fitted import Anchor, Fit, parameter
+from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.estimation.problem import Problem
@@ -104,7 +104,7 @@ def fit(
     *,
     solver: Solver,
     bounds: dict[str, tuple[float, float]] | None = None,
-    anchors: Sequence[Anchor] = (),
+    priors: Sequence[GaussianPrior] = (),
     max_iterations: int = RUNS,
     evaluations: int = EVALUATIONS,
     ends: bool = False,
@@ -133,9 +133,18 @@ def fit(
     # The windows of another horizon have states that fit neither the unknowns nor each other. A
     # step of all together brings them near; settled before it, many end in minima of their own.
     begun = variable_projection.fit(
-        problem, values, unknowns, states, bounds=bounds, anchors=anchors, max_iterations=TOGETHER,
-        tolerance=tolerance, relative=relative, loss=loss, kinks=True,
-    )  # fmt: skip
+        problem,
+        values,
+        unknowns,
+        states,
+        bounds=bounds,
+        priors=priors,
+        max_iterations=TOGETHER,
+        tolerance=tolerance,
+        relative=relative,
+        loss=loss,
+        kinks=True,
+    )
     settled = np.array_equal(begun.values.table, values.table)  # no step was to be had otherwise
     values, at, lin = begun.values, begun.states, begun.linearisation
     passes: float = begun.evaluations
@@ -145,7 +154,7 @@ def fit(
     slots = columns(unknowns)
     u = _coordinates(specs, np.maximum(values.pick(unknowns), floor))
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
-    cost: float = lin.cost() + _prior(u, unknowns, anchors)
+    cost: float = lin.cost() + _prior(u, unknowns, priors)
     to_bounds: bool = True
     converged, message = False, "The limit of runs was reached."
     if not np.isfinite(cost):
@@ -157,9 +166,9 @@ def fit(
         kinked = state_steps(lin, np.zeros(problem.windows.n))[1] >= KINK if settled else None
         elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
-        for a in anchors:
+        for a in priors:
             i = unknowns.index(a.unknown)
-            g[i] += (u[i] - a.centre) / a.sd**2
+            g[i] += (u[i] - a.mean) / a.sd**2
             H[i, i] += 1.0 / a.sd**2
         # A wrong model scatters its optimum by as much more, as in `variable_projection`.
         unit: float = max(cost / dof, 1.0)
@@ -170,9 +179,17 @@ def fit(
         needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
         begin = at + elim.state_step
         windows = window_residuals(
-            problem, values, begin, elim.state_gain, unknowns, specs, anchors, blocks=needed,
-            loss=loss, enough=SETTLED * unit,
-        )  # fmt: skip
+            problem,
+            values,
+            begin,
+            elim.state_gain,
+            unknowns,
+            specs,
+            priors,
+            blocks=needed,
+            loss=loss,
+            enough=SETTLED * unit,
+        )
         method = _ending(solver, enough / unit, len(unknowns)) if ends else solver
         scaled, moved = _scaled(windows, u, (low, high), g, H, unit, to_bounds=to_bounds)
         new_u, spent = _run(method, evaluations, scaled, (low, high))
@@ -187,16 +204,22 @@ def fit(
         if new_lin.complete.all():
             found = settle(problem, new_values, new_states, new_lin, slots, loss=loss, kinks=True)
             new_states, passes = found.states, passes + found.passes
-        new_cost = new_lin.cost() + _prior(new_u, unknowns, anchors)
-        log.debug("%s: run %d cost %.8g -> %.8g, %d evaluations",
-                  type(solver).__name__, run, cost, new_cost, spent)  # fmt: skip
+        new_cost = new_lin.cost() + _prior(new_u, unknowns, priors)
+        log.debug(
+            "%s: run %d cost %.8g -> %.8g, %d evaluations",
+            type(solver).__name__,
+            run,
+            cost,
+            new_cost,
+            spent,
+        )
         if not new_cost < cost and moved:  # what went to a bound should have stayed where it was
             to_bounds = False
             continue
         if not new_cost < cost and not settled:
             found = settle(problem, values, at, lin, slots, loss=loss, kinks=True)
             at, passes, settled = found.states, passes + found.passes, True
-            cost = lin.cost() + _prior(u, unknowns, anchors)
+            cost = lin.cost() + _prior(u, unknowns, priors)
             continue
         if not new_cost < cost:
             converged, message = run > 0, "Another run of the method gained nothing."
@@ -212,9 +235,19 @@ def fit(
     near = 1e-3 * np.array([s.typical if s.transform == "identity" else 0.0 for s in specs])
     at_bound = (x <= limits[:, 0] + near) | (x >= limits[:, 1] - near)
     return Fit(
-        problem, values, at, unknowns, cost, elim, lin, at_bound, converged,
-        math.ceil(passes), message, tuple(anchors),
-    )  # fmt: skip
+        problem,
+        values,
+        at,
+        unknowns,
+        cost,
+        elim,
+        lin,
+        at_bound,
+        converged,
+        math.ceil(passes),
+        message,
+        tuple(priors),
+    )
 
 
 def _ending(solver: Solver, enough: float, unknowns: int) -> Solver:
@@ -228,9 +261,15 @@ def _ending(solver: Solver, enough: float, unknowns: int) -> Solver:
 
 
 def _scaled(
-    windows: WindowResiduals, u: np.ndarray, box: tuple[np.ndarray, np.ndarray], g: np.ndarray,
-    H: np.ndarray, unit: float, *, to_bounds: bool,
-) -> tuple[_Scaled, bool]:  # fmt: skip
+    windows: WindowResiduals,
+    u: np.ndarray,
+    box: tuple[np.ndarray, np.ndarray],
+    g: np.ndarray,
+    H: np.ndarray,
+    unit: float,
+    *,
+    to_bounds: bool,
+) -> tuple[_Scaled, bool]:
     """Coordinates in which the information at the reference is one; whether an unknown was moved.
 
     An unknown at a bound is left out of them where the best step leaves it there. So is one that
@@ -297,5 +336,5 @@ def _values(specs, u: np.ndarray, limits: np.ndarray) -> np.ndarray:
     return np.clip(x, *limits.T)
 
 
-def _prior(u: np.ndarray, unknowns: tuple[Unknown, ...], anchors: Sequence[Anchor]) -> float:
-    return sum(((u[unknowns.index(a.unknown)] - a.centre) / a.sd) ** 2 for a in anchors)
+def _prior(u: np.ndarray, unknowns: tuple[Unknown, ...], priors: Sequence[GaussianPrior]) -> float:
+    return sum(((u[unknowns.index(a.unknown)] - a.mean) / a.sd) ** 2 for a in priors)

@@ -45,11 +45,16 @@ class Outcome:
         H = fit.information() * np.outer(slope, slope)
         finite = bool(np.isfinite(fit.cost))
         return cls(
-            x, float(fit.cost), float(fit.chi2_dof) if finite else np.inf,
-            np.where(np.isfinite(H), H, 0.0), fit.evaluations, bool(fit.converged), fit.message,
+            x,
+            float(fit.cost),
+            float(fit.chi2_dof) if finite else np.inf,
+            np.where(np.isfinite(H), H, 0.0),
+            fit.evaluations,
+            bool(fit.converged),
+            fit.message,
             float(fit.cost if objective is None else objective),
             fit.states if keep_states else None,
-        )  # fmt: skip
+        )
 
     @classmethod
     def failed(cls, x: np.ndarray, message: str) -> "Outcome":

@@ -46,5 +46,5 @@ def horizons_of(period: float, step: float, typical: float) -> tuple[float, ...]
     """
     first = max(0.25 * period, 12 * step)
     last = max(6.0 * first, 0.5)
-    ladder = [first, np.sqrt(first * last), last]
-    return tuple(float(min(h, 0.5 * typical)) for h in ladder)
+    schedule = [first, np.sqrt(first * last), last]
+    return tuple(float(min(h, 0.5 * typical)) for h in schedule)

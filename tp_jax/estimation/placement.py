@@ -33,10 +33,12 @@ def expected_steps(windows: Windows, prepared: Sequence[Prepared]) -> np.ndarray
             total[moving[turned + 1]] += 1.0
         passed.append(np.cumsum(total))
     last = windows.first + windows.count - 1
-    reversals = np.array([
-        passed[r][b] - passed[r][a]
-        for r, a, b in zip(windows.recording, windows.first, last, strict=True)
-    ])  # fmt: skip
+    reversals = np.array(
+        [
+            passed[r][b] - passed[r][a]
+            for r, a, b in zip(windows.recording, windows.first, last, strict=True)
+        ]
+    )
     return PER_SAMPLE * windows.count + PER_REVERSAL * reversals
 
 

@@ -213,9 +213,11 @@ class Problem:
                 break
             count = [min(self.capacity, n[i] - first) for i in going]
             windows = Windows(
-                np.array([recordings[i] for i in going]), np.full(len(going), first),
-                np.array(count), self.windows.horizon,
-            )  # fmt: skip
+                np.array([recordings[i] for i in going]),
+                np.full(len(going), first),
+                np.array(count),
+                self.windows.horizon,
+            )
             part = dataclasses.replace(self, windows=windows)
             lin = part.linearise(values, states[going], (), own=own[going])
             assert lin.own is not None
@@ -271,8 +273,14 @@ class Problem:
             directions = [index[k] for k in part]
             directions += [spare] * (self._width(ids, len(part)) - len(part))
             out = linearise(
-                self.layout, self.tolerances, ids, p, x0, block, np.array(directions, dtype=int),
-            )  # fmt: skip
+                self.layout,
+                self.tolerances,
+                ids,
+                p,
+                x0,
+                block,
+                np.array(directions, dtype=int),
+            )
             return Linearised(*map(np.asarray, out))
 
         # neighbours are of different programs, so that two of them are compiled at once
@@ -315,10 +323,14 @@ class Problem:
             where = nothing.reshape(0, 4)
             block = packed(self.prepared, self.windows, nothing.ravel(), where, self.capacity).block
             linearise(
-                self.layout, self.tolerances, ids, np.ones((len(self.layout.parameters), LANES)),
-                np.zeros((self.capacity, self.layout.n_states(ids), LANES)), block,
+                self.layout,
+                self.tolerances,
+                ids,
+                np.ones((len(self.layout.parameters), LANES)),
+                np.zeros((self.capacity, self.layout.n_states(ids), LANES)),
+                block,
                 np.array([spare] * self._width(ids, asked), dtype=int),
-            )  # fmt: skip
+            )
 
         pool = ThreadPoolExecutor(2)
         for ids, asked in ((settling, 0), *((ids, 1) for ids in programs), *refits):
@@ -374,9 +386,17 @@ class Problem:
             for a in (r[:, :, None], states_jac, slots_jac):
                 self.whiten(a)
         return Linearisation(
-            r, states_jac, slots_jac, valid, states, complete, slots, self.windows.recording, own,
+            r,
+            states_jac,
+            slots_jac,
+            valid,
+            states,
+            complete,
+            slots,
+            self.windows.recording,
+            own,
             raw,
-        )  # fmt: skip
+        )
 
     @property
     def coloured(self) -> bool:

@@ -27,9 +27,10 @@ class Programs:
         self.known = [NONE, *layout.families]
         self.moving = frozenset().union(*layout.families)
         self.apart = [
-            f for f in layout.families
+            f
+            for f in layout.families
             if layout.n_states(f) > layout.n_states() or f & (layout.outside | layout.learned)
-        ]  # fmt: skip
+        ]
         self.plain = self.moving.difference(*self.apart)
         self.owner = {i: e.id for e in layout.effects for i in layout.amplitudes(frozenset({e.id}))}
 

@@ -66,10 +66,16 @@ class VariableProjection(optx.AbstractLeastSquaresSolver):
         x, _ = ravel_pytree(y)
         zero = jnp.zeros((), x.dtype)
         return _State(
-            g=jnp.zeros_like(x), H=jnp.eye(x.size, dtype=x.dtype), cost=zero + jnp.inf,
-            aux=jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), aux_struct), y_eval=y,
-            promise=zero, damping=zero + FIRST, refused=jnp.array(False), end=jnp.array(False),
-        )  # fmt: skip
+            g=jnp.zeros_like(x),
+            H=jnp.eye(x.size, dtype=x.dtype),
+            cost=zero + jnp.inf,
+            aux=jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), aux_struct),
+            y_eval=y,
+            promise=zero,
+            damping=zero + FIRST,
+            refused=jnp.array(False),
+            end=jnp.array(False),
+        )
 
     def step(self, fn, y, args, options, state, tags):  # noqa: ARG002
         x, unravel = ravel_pytree(state.y_eval)
@@ -93,9 +99,7 @@ class VariableProjection(optx.AbstractLeastSquaresSolver):
         kink = ~better & ((most < ROUGH * enough) | (damping > MOST))
         end = (most < enough) | small | kink
         here, _ = ravel_pytree(y)
-        return y, _State(
-            g, H, lowest, aux, unravel(here + du), promise, damping, ~better, end
-        ), aux  # fmt: skip
+        return y, _State(g, H, lowest, aux, unravel(here + du), promise, damping, ~better, end), aux
 
     def terminate(self, fn, y, args, options, state, tags) -> tuple[Bool[Array, ""], Any]:  # noqa: ARG002
         lost = state.end & ~jnp.isfinite(state.cost)  # the first point was none

@@ -21,7 +21,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import optimize
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide, with_noise
 from tp_jax.recordings import Colour, Recording, noise_levels, same_rate
@@ -79,8 +79,8 @@ SPANNED = 1e-3
 
 
 def with_residual_noise(
-    setting: Setting, fit: Fit, policy: ResidualNoisePolicy = POLICY
-) -> Setting:
+    setting: PreparedCampaign, fit: Fit, policy: ResidualNoisePolicy = POLICY
+) -> PreparedCampaign:
     """A campaign with the noise that a fit's residuals show.
 
     Args:
@@ -98,7 +98,7 @@ def with_residual_noise(
     return with_noise(bare, levels, colours)
 
 
-def without_residual_noise(setting: Setting) -> Setting:
+def without_residual_noise(setting: PreparedCampaign) -> PreparedCampaign:
     """A campaign with what its data alone say of its noise."""
     levels, colours = setting.data_noise
     if list(colours) == [p.colour for p in setting.prepared]:
@@ -107,7 +107,7 @@ def without_residual_noise(setting: Setting) -> Setting:
 
 
 def residual_noise(
-    setting: Setting, fit: Fit, policy: ResidualNoisePolicy = POLICY
+    setting: PreparedCampaign, fit: Fit, policy: ResidualNoisePolicy = POLICY
 ) -> tuple[np.ndarray, list[tuple[Colour, Colour]]]:
     """Levels (r, 2) [rad] and colours of both channels in every recording.
 
@@ -142,8 +142,9 @@ def residual_noise(
                 rise = max(rise, 1.0)
             seen = _seen([setting.recordings[i] for i in mine], c, colour)
             left = float(np.median((rise * setting.levels[mine, c] / seen) ** 2))
-            log.info("noise of channel %d: %s, left %.3g of what differences see",
-                     c + 1, colour, left)  # fmt: skip
+            log.info(
+                "noise of channel %d: %s, left %.3g of what differences see", c + 1, colour, left
+            )
             if left > policy.left:
                 continue
             pair[c] = colour
@@ -164,7 +165,7 @@ def _seen(recordings: Sequence[Recording], c: int, colour: Colour) -> np.ndarray
     return np.hypot(levels, np.minimum(rounding, levels))
 
 
-def _under(setting: Setting, fit: Fit) -> Fit:
+def _under(setting: PreparedCampaign, fit: Fit) -> Fit:
     """A fit with its residuals in units of a campaign's noise, of which it may have known more."""
     colours = [p.colour for p in setting.prepared]
     known = [p.colour for p in fit.problem.prepared]
@@ -209,20 +210,33 @@ def _estimated(rest: "_Rest", samples: float, policy: ResidualNoisePolicy):
     # where it begins
     wide = WIDE if rho + WIDE <= steepest else -WIDE
     found = optimize.minimize(
-        cost, (c, rho), method="Nelder-Mead", bounds=[(-0.5, 1.0), (0.0, steepest)],
+        cost,
+        (c, rho),
+        method="Nelder-Mead",
+        bounds=[(-0.5, 1.0), (0.0, steepest)],
         options={
-            "xatol": 0.005, "fatol": 0.25, "maxfev": 80,
-            "initial_simplex": [(c, rho), (c + WIDE * (-1.0 if c > 0.5 else 1.0), rho),
-                                (c, max(rho + wide, 0.0))],
+            "xatol": 0.005,
+            "fatol": 0.25,
+            "maxfev": 80,
+            "initial_simplex": [
+                (c, rho),
+                (c + WIDE * (-1.0 if c > 0.5 else 1.0), rho),
+                (c, max(rho + wide, 0.0)),
+            ],
         },
-    )  # fmt: skip
+    )
     rho = float(np.clip(found.x[1], 0.0, steepest))
     c = float(np.clip(found.x[0], *limits(rho)))
     best = Colour(c, rho, of_residuals=True)
     white, _ = rest.deviance(Colour())
     least, left = rest.deviance(best)
-    log.info("residuals: neighbours %.3g, rho %.3g, deviance %.4g under white, mean square %.3g",
-             c, rho, white - least, left)  # fmt: skip
+    log.info(
+        "residuals: neighbours %.3g, rho %.3g, deviance %.4g under white, mean square %.3g",
+        c,
+        rho,
+        white - least,
+        left,
+    )
     if white - least < policy.certain or (abs(c) < policy.least and best.slow < policy.slow):
         return None
     return best, float(np.sqrt(left))
@@ -231,7 +245,7 @@ def _estimated(rest: "_Rest", samples: float, policy: ResidualNoisePolicy):
 class _Rest:
     """Residuals of one channel in some recordings, without what goes with the motion."""
 
-    def __init__(self, setting: Setting, fit: Fit, group: Sequence[int], c: int, policy):
+    def __init__(self, setting: PreparedCampaign, fit: Fit, group: Sequence[int], c: int, policy):
         lin, w = fit.linearisation, fit.problem.windows
         n = lin.n_samples
         rows = slice(c, 2 * n, 2)
@@ -285,7 +299,9 @@ class _Rest:
         return float(free * np.log(max(level, 1e-300)) + determinant), float(level)
 
 
-def _moving(setting: Setting, i: int, c: int, first: np.ndarray, count: np.ndarray) -> np.ndarray:
+def _moving(
+    setting: PreparedCampaign, i: int, c: int, first: np.ndarray, count: np.ndarray
+) -> np.ndarray:
     """Windows (w,) of a channel of a recording whose readings take more than two values.
 
     A body that rests between two steps of a coarse reading shows no noise at all: of such windows
@@ -337,7 +353,7 @@ def _projected(table: np.ndarray):
     return float(by_window.sum()), by_window, (logdet, used)
 
 
-def _features(setting: Setting, i: int, first: np.ndarray, states: np.ndarray, policy):
+def _features(setting: PreparedCampaign, i: int, first: np.ndarray, states: np.ndarray, policy):
     """Returns what goes with the motion of a recording in its windows (w, n, q)."""
     r, p = setting.recordings[i], setting.prepared[i]
     w, n = states.shape[:2]

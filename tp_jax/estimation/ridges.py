@@ -11,7 +11,7 @@ Source: Venzon and Moolgavkar (1988), Appl. Stat. 37:87 (profile likelihood).
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.robust import Loss
@@ -25,7 +25,9 @@ MUCH = 1.5  # times its width: an interval that grew so much is on the ridge
 NORMAL = 1.96  # standard errors of half a 95 % interval
 
 
-def intervals_over_ridges(fit: Fit, setting: Setting, loss: Loss = "linear") -> dict[str, dict]:
+def intervals_over_ridges(
+    fit: Fit, setting: PreparedCampaign, loss: Loss = "linear"
+) -> dict[str, dict]:
     """Computes `intervals`, but over the ridges of nonlinear numbers that are not identified.
 
     An entry whose interval grew has `ridge`, the name of the number that was held.
@@ -37,7 +39,9 @@ def intervals_over_ridges(fit: Fit, setting: Setting, loss: Loss = "linear") -> 
     return found
 
 
-def _join(found: dict[str, dict], fit: Fit, setting: Setting, name: str, loss: Loss) -> None:
+def _join(
+    found: dict[str, dict], fit: Fit, setting: PreparedCampaign, name: str, loss: Loss
+) -> None:
     """Takes the fits with one number held into the intervals."""
     which = next(u for u in fit.unknowns if u.name == name and u.recording is None)
     spec = parameter(fit.problem, which)
@@ -45,15 +49,21 @@ def _join(found: dict[str, dict], fit: Fit, setting: Setting, name: str, loss: L
     own = fit.values.get(name)
     ends = [float(spec.to_coordinate(max(x, SMALLEST * own))) for x in (low, high)]
     others = tuple(u for u in fit.unknowns if u != which)
-    anchors = [a for a in fit.anchors if a.unknown != which]
+    priors = [a for a in fit.priors if a.unknown != which]
     held = [own, *(float(spec.from_coordinate(c)) for c in np.linspace(ends[0], ends[1], POINTS))]
     fits = [
         fit_projected(
-            fit.problem, fit.values.put((which,), np.array([x])), others, fit.states,
-            bounds=setting.bounds, anchors=anchors, loss=loss, kinks=True,
+            fit.problem,
+            fit.values.put((which,), np.array([x])),
+            others,
+            fit.states,
+            bounds=setting.bounds,
+            priors=priors,
+            loss=loss,
+            kinks=True,
         )
         for x in held
-    ]  # fmt: skip
+    ]
     # The first fit is that of the value which is there already. Where windows' states lie in kinks
     # of the friction it ends elsewhere than before; so much must not tell two values apart either.
     lowest, rough = min(fit.cost, *(f.cost for f in fits)), abs(fit.cost - fits[0].cost)

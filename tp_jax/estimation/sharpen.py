@@ -15,7 +15,7 @@ import logging
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PATIENCE, Setting
+from tp_jax.estimation.baseline import PATIENCE, PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.simulation.lanes import Tolerances
@@ -26,14 +26,14 @@ FINELY = Tolerances(angle=1e-7, friction=0.1)
 WORSE = 10.0  # of the sum of squares, in the misfit's unit: more is a kink and not the friction
 
 
-def sharpened(
-    setting: Setting,
+def fit_with_sharp_friction(
+    setting: PreparedCampaign,
     before: Fit,
     *,
     bounds: dict[str, tuple[float, float]] | None = None,
     max_iterations: int = PATIENCE,
 ) -> Fit:
-    """A fit with the friction's smoothing at `Setting.sharpest`.
+    """A fit with the friction's smoothing at `PreparedCampaign.sharpest`.
 
     Args:
         setting: the campaign.
@@ -48,9 +48,14 @@ def sharpened(
     if not eps > before.values.get("eps2") or not np.isfinite(before.cost):
         return before
     after = fit(
-        before.problem.at(FINELY), before.values.replace({"eps1": eps, "eps2": eps}),
-        before.unknowns, before.states, bounds=setting.bounds if bounds is None else bounds,
-        anchors=before.anchors, max_iterations=max_iterations, relative=1e-7,
-    )  # fmt: skip
+        before.problem.at(FINELY),
+        before.values.replace({"eps1": eps, "eps2": eps}),
+        before.unknowns,
+        before.states,
+        bounds=setting.bounds if bounds is None else bounds,
+        priors=before.priors,
+        max_iterations=max_iterations,
+        relative=1e-7,
+    )
     log.info("eps %.3g: chi2/dof %.5g, was %.5g", eps, after.chi2_dof, before.chi2_dof)
     return after if after.cost < before.cost + WORSE * max(before.chi2_dof, 1.0) else before

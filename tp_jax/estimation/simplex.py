@@ -102,9 +102,16 @@ def begin(vertices: Float[Array, "m n"]) -> Simplex:
     m = vertices.shape[0]
     zero = jnp.zeros((), int)
     return Simplex(
-        vertices, jnp.full(m, jnp.inf, vertices.dtype), vertices[0], zero + VERTEX, zero,
-        vertices[0], jnp.asarray(jnp.inf, vertices.dtype), zero, zero,
-    )  # fmt: skip
+        vertices,
+        jnp.full(m, jnp.inf, vertices.dtype),
+        vertices[0],
+        zero + VERTEX,
+        zero,
+        vertices[0],
+        jnp.asarray(jnp.inf, vertices.dtype),
+        zero,
+        zero,
+    )
 
 
 def along(s: Simplex, factor: float, box: Box) -> Float[Array, " n"]:
@@ -167,11 +174,14 @@ def absorb(s: Simplex, value: Float[Array, ""], box: Box, c: Coefficients) -> Si
     )
     vertex = jnp.select([ended, shrink, in_turn], [0, 1, s.vertex + 1], s.vertex)
     after = s._replace(
-        vertices=vertices, values=values, waits=waits, vertex=vertex,
+        vertices=vertices,
+        values=values,
+        waits=waits,
+        vertex=vertex,
         reflected=jnp.where(reflection, s.trial, s.reflected),
         at_reflected=jnp.where(reflection, value, s.at_reflected),
         iterations=s.iterations + (taken | (last & (s.waits == SHRUNK))),
-    )  # fmt: skip
+    )
     further = candidates(after, box, c)
     trial = jnp.select(
         [ended, expand, outside, inside],

@@ -136,6 +136,8 @@ def _contact(d, B2) -> dict[str, float]:
     floor = 0.02 * np.abs(y).mean()
     Tv, Ts1, Tst = fit
     return {
-        "Tv": float(Tv), "Ts1": float(max(Ts1, floor)), "Tst": float(max(Tst, floor)),
+        "Tv": float(Tv),
+        "Ts1": float(max(Ts1, floor)),
+        "Tst": float(max(Tst, floor)),
         "T0": float(T0),
-    }  # fmt: skip
+    }

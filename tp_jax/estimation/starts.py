@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.weak_form import WeakForm
 from tp_jax.model.parameters import Parameter
@@ -77,7 +77,7 @@ class Start:
     point: np.ndarray | None
 
 
-def axes(setting: Setting) -> list[Axis]:
+def axes(setting: PreparedCampaign) -> list[Axis]:
     """One for each unknown of the baseline."""
     problem = setting.layout
     specs = [
@@ -87,7 +87,9 @@ def axes(setting: Setting) -> list[Axis]:
     return [Axis.of(s, setting.bounds.get(s.name)) for s in specs]
 
 
-def points(setting: Setting, n: int, seed: int, sampling: Sampling = "sobol") -> np.ndarray:
+def points(
+    setting: PreparedCampaign, n: int, seed: int, sampling: Sampling = "sobol"
+) -> np.ndarray:
     """Draws n points (n, u) over the bounds, in SI units.
 
     Of Sobol's sequence the first ones stay the same when more are asked for.
@@ -105,7 +107,12 @@ def points(setting: Setting, n: int, seed: int, sampling: Sampling = "sobol") ->
 
 
 def starts(
-    setting: Setting, n: int, *, seed: int = 0, sampling: Sampling = "sobol", raw: bool = False
+    setting: PreparedCampaign,
+    n: int,
+    *,
+    seed: int = 0,
+    sampling: Sampling = "sobol",
+    raw: bool = False,
 ) -> list[Start]:
     """The data's own start and n - 1 drawn ones.
 
@@ -128,7 +135,7 @@ def starts(
     return found
 
 
-def _inside(setting: Setting, unknowns: tuple[Unknown, ...], values: Values) -> Values:
+def _inside(setting: PreparedCampaign, unknowns: tuple[Unknown, ...], values: Values) -> Values:
     """Within the user's bounds."""
     along = axes(setting)
     x = [np.clip(v, a.lower, a.upper) for v, a in zip(values.pick(unknowns), along, strict=True)]

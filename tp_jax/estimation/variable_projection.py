@@ -16,7 +16,7 @@ import numpy as np
 
 from tp_jax.estimation.bounded_step import LONGEST_LOG, bounded_step
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.fitted import Anchor, Fit, parameter
+from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
 from tp_jax.estimation.kept_fits import taken_or_done
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import MAX_STATE_STEP
@@ -46,7 +46,7 @@ def fit(
     states: np.ndarray | None = None,
     *,
     bounds: dict[str, tuple[float, float]] | None = None,
-    anchors: Sequence[Anchor] = (),
+    priors: Sequence[GaussianPrior] = (),
     max_iterations: int = 30,
     tolerance: float = 0.02,
     relative: float = 1e-6,
@@ -67,8 +67,9 @@ def fit(
     specs = [parameter(problem, u) for u in unknowns]
     limits = np.array([(bounds or {}).get(s.name, (s.lower, s.upper)) for s in specs])
     limits = limits.reshape(-1, 2)
-    low, high = (np.array([_coordinate(s, v) for s, v in zip(specs, end, strict=True)])
-                 for end in limits.T)  # fmt: skip
+    low, high = (
+        np.array([_coordinate(s, v) for s, v in zip(specs, end, strict=True)]) for end in limits.T
+    )
     longest = np.array([LONGEST_LOG if s.transform == "log" else np.inf for s in specs])
     slots = columns(unknowns)
     x = np.clip(values.pick(unknowns), *limits.T)
@@ -76,7 +77,7 @@ def fit(
     at: np.ndarray = problem.initial_states(values) if states is None else states
     lin = robust(problem.linearise(values, at, slots), loss)
     passes: float = 1.0
-    cost: float = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
+    cost: float = lin.cost() + _anchor_cost(specs, unknowns, x, priors)
     damping: float = 1e-4
     of_states: np.ndarray | None = None
     settled: bool = False
@@ -86,9 +87,16 @@ def fit(
         """Moves states, and with them the linearisation, to where no window promises more."""
         nonlocal passes, of_states
         found = settle(
-            problem, values, states, lin, slots, tolerance=tolerance, damping=of_states, loss=loss,
+            problem,
+            values,
+            states,
+            lin,
+            slots,
+            tolerance=tolerance,
+            damping=of_states,
+            loss=loss,
             kinks=kinks,
-        )  # fmt: skip
+        )
         states[:], passes, of_states = found.states, passes + found.passes, found.damping
 
     converged, message = False, "The iteration limit was reached."
@@ -103,9 +111,9 @@ def fit(
         kinked = gains >= KINK if kinks and settled else None
         elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
-        for a in anchors:
+        for a in priors:
             i = unknowns.index(a.unknown)
-            g[i] += (u[i] - a.centre) / a.sd**2
+            g[i] += (u[i] - a.mean) / a.sd**2
             H[i, i] += 1.0 / a.sd**2
         box = np.maximum(low - u, -longest), np.minimum(high - u, longest)
         # What a wrong model leaves scatters its optimum by as much more: digits below that scatter
@@ -116,7 +124,7 @@ def fit(
         if not settled:
             if promise < enough <= promise + gains.sum():
                 put_right(values, at, lin, SETTLED * unit)
-                cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
+                cost = lin.cost() + _anchor_cost(specs, unknowns, x, priors)
                 settled = True
                 continue
             own, promised = np.clip(own, -MAX_STATE_STEP, MAX_STATE_STEP), float(gains.sum())
@@ -133,7 +141,7 @@ def fit(
             new_states = at + own + np.einsum("wxu,u->wx", elim.state_gain, step.du)
             new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
             passes += 1.0
-            prior = _anchor_cost(specs, unknowns, new_x, anchors)
+            prior = _anchor_cost(specs, unknowns, new_x, priors)
             share = (cost - new_lin.cost() - prior) / max(step.promise + promised, 1e-300)
             new_settled = False
             if new_lin.complete.all() and share < BENIGN:
@@ -144,8 +152,13 @@ def fit(
             gain = (cost - new_cost) / max(step.promise + promised, 1e-300)
             log.debug(
                 "projected: %d cost %.8g -> %.8g gain %.2f damping %.0e passes %.2f",
-                iteration, cost, new_cost, gain, damping, passes,
-            )  # fmt: skip
+                iteration,
+                cost,
+                new_cost,
+                gain,
+                damping,
+                passes,
+            )
             accepted = bool(new_cost < cost)
             if accepted:
                 if gain < 0.3:
@@ -160,7 +173,7 @@ def fit(
             elif kinks and not settled:
                 # The states' own steps may be to blame: a kink keeps none of them.
                 put_right(values, at, lin, SETTLED * unit)
-                cost = lin.cost() + _anchor_cost(specs, unknowns, x, anchors)
+                cost = lin.cost() + _anchor_cost(specs, unknowns, x, priors)
                 settled = again = True
                 break
             else:
@@ -178,9 +191,19 @@ def fit(
     elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
     at_bound = (x <= limits[:, 0]) | (x >= limits[:, 1])
     return Fit(
-        problem, values, at, unknowns, cost, elim, lin, at_bound, converged,
-        math.ceil(passes), message, tuple(anchors),
-    )  # fmt: skip
+        problem,
+        values,
+        at,
+        unknowns,
+        cost,
+        elim,
+        lin,
+        at_bound,
+        converged,
+        math.ceil(passes),
+        message,
+        tuple(priors),
+    )
 
 
 def _within(x: np.ndarray, limits: np.ndarray) -> np.ndarray:
@@ -191,12 +214,14 @@ def _within(x: np.ndarray, limits: np.ndarray) -> np.ndarray:
 
 
 def _anchor_cost(
-    specs: Sequence[Parameter], unknowns: tuple[Unknown, ...], x: np.ndarray,
-    anchors: Sequence[Anchor],
-) -> float:  # fmt: skip
-    places = [unknowns.index(a.unknown) for a in anchors]
+    specs: Sequence[Parameter],
+    unknowns: tuple[Unknown, ...],
+    x: np.ndarray,
+    priors: Sequence[GaussianPrior],
+) -> float:
+    places = [unknowns.index(a.unknown) for a in priors]
     u = [float(specs[i].to_coordinate(x[i])) for i in places]
-    return sum(((c - a.centre) / a.sd) ** 2 for c, a in zip(u, anchors, strict=True))
+    return sum(((c - a.mean) / a.sd) ** 2 for c, a in zip(u, priors, strict=True))
 
 
 def _values(specs: Sequence[Parameter], u: np.ndarray) -> np.ndarray:

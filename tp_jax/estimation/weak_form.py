@@ -15,7 +15,7 @@ import functools
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting, initial_values
+from tp_jax.estimation.baseline import PreparedCampaign, initial_values
 from tp_jax.estimation.compensated import Rows
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.modulating import Bump, bumps
@@ -35,12 +35,12 @@ LEAST = 0.01  # of the contact's friction: what is not there at all, small steps
 class WeakForm:
     """The weak form of a campaign's equations, made once and solved for many resamples."""
 
-    def __init__(self, setting: Setting):
+    def __init__(self, setting: PreparedCampaign):
         self.setting = setting
         self.period = 4.0 * setting.horizons[0]
         self.base = initial_values(setting)
         factor = PRINTED_REACTION if setting.model == "paper" else NEWTON_REACTION
-        known = setting.fixed | {n: v for n, (v, _) in setting.priors.items()}
+        known = setting.fixed | {n: v for n, (v, _) in setting.prior_values.items()}
         # by the printed model the rider's numbers are halves of Newton's
         self.halved: dict[str, float] = dict.fromkeys(("B2", "Tv", "Ts1", "Tst"), factor)
         self.given = {n: v * self.halved.get(n, 1.0) for n, v in known.items()}
@@ -59,13 +59,15 @@ class WeakForm:
             y1, y2 = data.y[w.span].T
             theta = r.omega * data.t[w.span] if _sine(r) else None
             terms = {
-                "k": w.psi @ y1, "c1": -(w.first @ y1), "M1": w.psi @ _sign(data, w.span, 2),
+                "k": w.psi @ y1,
+                "c1": -(w.first @ y1),
+                "M1": w.psi @ _sign(data, w.span, 2),
                 "B2": w.second @ (y1 + y2),
                 "ks": 0.0 if theta is None else -(w.psi @ np.sin(theta)),
                 "kc": 0.0 if theta is None else -(w.psi @ np.cos(theta)),
                 "kg": 0.0 if r.drive is None else -(w.psi @ r.drive[w.span]),
                 "kz": -w.psi.sum(),
-            }  # fmt: skip
+            }
             A.append([terms[n] for n in names])
             b.append(-s.fixed["B1"] * (w.second @ y1))
             noise.append(self._noise(names, w))

@@ -210,9 +210,12 @@ class WindowResiduals(eqx.Module):
         return jax.lax.while_loop(go_on, move, (0, begin))[1][0]
 
     def _pass(
-        self, p: Float[Array, "P L"], states: Float[Array, "L W 4"], b: Unfolded,
+        self,
+        p: Float[Array, "P L"],
+        states: Float[Array, "L W 4"],
+        b: Unfolded,
         directions: Int[Array, " d"],
-    ) -> "_Seen":  # fmt: skip
+    ) -> "_Seen":
         """One integration of a block; residuals whitened and under the loss."""
         lane = jnp.arange(LANES)
         x0 = states[lane, b.window].transpose(0, 2, 1)
@@ -228,11 +231,15 @@ class WindowResiduals(eqx.Module):
         g = _by_window(jnp.einsum("lncx,lnc->lnx", own, r), b)
         H = _by_window(jnp.einsum("lncx,lncy->lnxy", own, own), b)
         return _Seen(
-            r, jac, out.prior_r, out.prior_jac, out.complete,
+            r,
+            jac,
+            out.prior_r,
+            out.prior_jac,
+            out.complete,
             cost + jnp.sum(out.prior_r**2, axis=-1),
             g + jnp.einsum("lwcx,lwc->lwx", prior_own, out.prior_r),
             H + jnp.einsum("lwcx,lwcy->lwxy", prior_own, prior_own),
-        )  # fmt: skip
+        )
 
 
 class _Seen(NamedTuple):
@@ -283,9 +290,18 @@ def _whitened(x: Float[Array, "L n 2 q"], b: Unfolded) -> Float[Array, "L n 2 q"
 
 
 def window_residuals(
-    problem: Problem, values: Values, states: np.ndarray, gain: np.ndarray, unknowns, specs,
-    anchors, *, blocks: int, loss: Loss = "linear", enough: float = 0.01,
-) -> WindowResiduals:  # fmt: skip
+    problem: Problem,
+    values: Values,
+    states: np.ndarray,
+    gain: np.ndarray,
+    unknowns,
+    specs,
+    priors,
+    *,
+    blocks: int,
+    loss: Loss = "linear",
+    enough: float = 0.01,
+) -> WindowResiduals:
     """The function at a reference.
 
     Args:
@@ -293,7 +309,7 @@ def window_residuals(
         values: all numbers that are not searched.
         states: (w, 4) where the windows' states begin in every evaluation,
         gain: (w, 4, u) and how they follow the unknowns' coordinates from those of `values` on.
-        unknowns: what is searched. specs: their parameters. anchors: their priors.
+        unknowns: what is searched. specs: their parameters. priors: of some of them.
         blocks: how many there are to be, those of other horizons included; the rest is empty.
         loss: of a residual.
         enough: see `WindowResiduals`.
@@ -309,9 +325,9 @@ def window_residuals(
     slots, index = columns(unknowns), problem.layout.index
     directions = np.array([index[s] for s in slots], dtype=int)
     centre, weight = np.zeros(len(unknowns)), np.zeros(len(unknowns))
-    for a in anchors:
+    for a in priors:
         i = list(unknowns).index(a.unknown)
-        centre[i], weight[i] = a.centre, 1.0 / a.sd
+        centre[i], weight[i] = a.mean, 1.0 / a.sd
     asked = problem.programs.asked(directions.tolist())
     return WindowResiduals(
         layout=problem.layout,
@@ -340,9 +356,13 @@ def window_residuals(
 
 
 def _unfolded(
-    problem: Problem, states: np.ndarray, gain: np.ndarray, which: np.ndarray, places: np.ndarray,
+    problem: Problem,
+    states: np.ndarray,
+    gain: np.ndarray,
+    which: np.ndarray,
+    places: np.ndarray,
     block: Block,
-) -> Unfolded:  # fmt: skip
+) -> Unfolded:
     """Returns the places of the windows of a block, and their noise."""
     n, count = problem.capacity, block.begins.shape[0]
     recording, start = np.zeros(LANES, int), np.zeros((LANES, count, 4))
@@ -363,5 +383,13 @@ def _unfolded(
             previous[span, c, lane], before[span, c, lane] = rho, theta
             scale[span, c, lane] = innovation
     return Unfolded(  # type: ignore[arg-type]
-        recording, start, follow, window, there, previous, before, scale, block,  # type: ignore[arg-type]
-    )  # fmt: skip
+        recording,
+        start,
+        follow,
+        window,
+        there,
+        previous,
+        before,
+        scale,
+        block,  # type: ignore[arg-type]
+    )

@@ -95,9 +95,16 @@ def prepare(
         error = float(np.median(sd[:, c]))
         path[:, c] = play_along(smooth[:, c], NOISE_OF_PATH * error)
     return Prepared(
-        recording.t, y, channels, smooth, sd * PRIOR_INFLATION, pieces, path,
-        np.where(channels, sigma, 1.0), colour,
-    )  # fmt: skip
+        recording.t,
+        y,
+        channels,
+        smooth,
+        sd * PRIOR_INFLATION,
+        pieces,
+        path,
+        np.where(channels, sigma, 1.0),
+        colour,
+    )
 
 
 def read_later(t: np.ndarray, pieces: np.ndarray, late: float) -> np.ndarray:

@@ -31,8 +31,10 @@ def opened(workers: int) -> Iterator[Executor]:
         return
     # no page, no limit at which workers are paused, no word of each that is lost: the seam counts
     settings: dict[str, Any] = {
-        "memory_limit": 0, "dashboard_address": None, "silence_logs": logging.ERROR
-    }  # fmt: skip
+        "memory_limit": 0,
+        "dashboard_address": None,
+        "silence_logs": logging.ERROR,
+    }
     cluster = distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, processes=True, **settings
     )

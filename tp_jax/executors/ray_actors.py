@@ -32,9 +32,15 @@ def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Execu
         raise missing("ray", "ray") from fault
     ours = not ray.is_initialized()
     if ours:
-        own = {} if os.environ.get("RAY_ADDRESS") else {
-            "num_cpus": workers, "include_dashboard": False, "object_store_memory": STORE,
-        }  # fmt: skip
+        own = (
+            {}
+            if os.environ.get("RAY_ADDRESS")
+            else {
+                "num_cpus": workers,
+                "include_dashboard": False,
+                "object_store_memory": STORE,
+            }
+        )
         ray.init(log_to_driver=False, logging_level=logging.ERROR, **own)
     executor = Workers(lambda: RayActor(ray), workers, pieces_per_worker)
     try:

@@ -110,9 +110,12 @@ def explore(
     folder.mkdir(parents=True, exist_ok=True)
     state = _recovered(folder, read(folder))
     asked = {
-        "omega": limits.omega, "drives": limits.drives, "releases": limits.releases,
-        "duration": duration, "amplitude": amplitude,
-    }  # fmt: skip
+        "omega": limits.omega,
+        "drives": limits.drives,
+        "releases": limits.releases,
+        "duration": duration,
+        "amplitude": amplitude,
+    }
     while True:
         entries = entries_of(folder)
         of = json.loads(json.dumps({"files": [e.get("file") for e in entries], **asked}))
@@ -122,9 +125,11 @@ def explore(
             last = None
             if runs and runs[-1].file == entries[-1].get("file"):
                 last = dataclasses.replace(
-                    runs[-1], verdict=finding.verdict, first=finding.first,
+                    runs[-1],
+                    verdict=finding.verdict,
+                    first=finding.first,
                     probability=finding.probability if finding.first is not None else None,
-                )  # fmt: skip
+                )
                 runs = (*runs[:-1], last)
             state = State(runs, None, finding, of)
             write(folder, state)
@@ -164,8 +169,9 @@ def _diagnosed(
             raise
         warnings.warn(
             f"The {number} recordings so far cannot be diagnosed, another one is made. {fault}",
-            Notice, stacklevel=2,
-        )  # fmt: skip
+            Notice,
+            stacklevel=2,
+        )
         return Finding("unknown", forecasts=before.forecasts)
 
 

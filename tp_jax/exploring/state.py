@@ -64,9 +64,11 @@ def read(folder: Path) -> State:
     if not file.exists():
         return State()
     content = read_versioned(
-        file, SCHEMA, "the state of an exploration",
+        file,
+        SCHEMA,
+        "the state of an exploration",
         "move it away, and the next one begins from the recordings that are there",
-    )  # fmt: skip
+    )
     return State(
         runs=tuple(_made(each) for each in content["runs"]),
         next=None if content["next"] is None else _made(content["next"]),
@@ -91,9 +93,13 @@ def write(folder: Path, state: State) -> None:
 def _made(entry: Mapping[str, Any]) -> Made:
     forecast = entry["forecast"]
     return Made(
-        entry["file"], Run(**entry["run"]), None if forecast is None else _forecast(forecast),
-        entry["verdict"], entry["first"], entry["probability"],
-    )  # fmt: skip
+        entry["file"],
+        Run(**entry["run"]),
+        None if forecast is None else _forecast(forecast),
+        entry["verdict"],
+        entry["first"],
+        entry["probability"],
+    )
 
 
 def _forecast(entry: Mapping[str, Any]) -> Forecast:
@@ -102,6 +108,10 @@ def _forecast(entry: Mapping[str, Any]) -> Forecast:
 
 def _finding(entry: Mapping[str, Any]) -> Finding:
     return Finding(
-        entry["verdict"], tuple((id, p) for id, p in entry["causes"]), entry["first"],
-        entry["probability"], entry["rivals"], tuple(map(_forecast, entry["forecasts"])),
-    )  # fmt: skip
+        entry["verdict"],
+        tuple((id, p) for id, p in entry["causes"]),
+        entry["first"],
+        entry["probability"],
+        entry["rivals"],
+        tuple(map(_forecast, entry["forecasts"])),
+    )

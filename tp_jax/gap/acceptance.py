@@ -10,7 +10,7 @@ import dataclasses
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
 from tp_jax.gap import detectability
@@ -20,14 +20,14 @@ from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.held_out import HeldOut, evaluate
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.probability import cause_probabilities
-from tp_jax.gap.refit import Refit, polish, sharper
+from tp_jax.gap.refit import Refit, polish, refit_with_sharp_friction
 from tp_jax.results.diagnosis import Errors
 
 MOST_TIED = 3  # effects of a group that counts as one
 
 
 def without_harm(
-    setting: Setting, choice: Choice, horizon: float
+    setting: PreparedCampaign, choice: Choice, horizon: float
 ) -> tuple[Choice, tuple[str, ...]]:
     """The choice without last causes that make the prediction of held-out data worse.
 
@@ -45,10 +45,10 @@ def without_harm(
         if not before.ids or not _predicts_worse(setting, before, choice.final, horizon):
             return choice, tuple(dropped)
         dropped.append(r.taken)
-        choice = _ending(choice, sharper(setting, before))
+        choice = _ending(choice, refit_with_sharp_friction(setting, before))
 
 
-def _predicts_worse(setting: Setting, before: Refit, after: Refit, horizon: float) -> bool:
+def _predicts_worse(setting: PreparedCampaign, before: Refit, after: Refit, horizon: float) -> bool:
     """True where held-out recordings are predicted worse by the second model."""
 
     def errors_of(result: Refit) -> Errors:
@@ -74,7 +74,7 @@ class Doubts:
 
 
 def without_doubt(
-    setting: Setting, choice: Choice, horizon: float
+    setting: PreparedCampaign, choice: Choice, horizon: float
 ) -> tuple[Choice, dict[str, float], Doubts]:
     """The choice without causes that are not likely or whose size may be zero.
 
@@ -93,7 +93,9 @@ def without_doubt(
         result = Refit(choice.baseline, ())
         if len(choice.causes) > 1:
             out = next(v for v in choice.final.variants if v.effect.id == least)
-            result = sharper(setting, polish(setting, without(setting, choice.final, out)))
+            result = refit_with_sharp_friction(
+                setting, polish(setting, without(setting, choice.final, out))
+            )
             if _predicts_worse(setting, choice.final, result, horizon):
                 unnamed.append(least)
                 continue
@@ -113,12 +115,14 @@ def _ending(choice: Choice, final: Refit) -> Choice:
     return dataclasses.replace(choice, rounds=rounds, final=final)
 
 
-def _offered(setting: Setting, choice: Choice, id: str, probabilities: dict[str, float]) -> bool:
+def _offered(
+    setting: PreparedCampaign, choice: Choice, id: str, probabilities: dict[str, float]
+) -> bool:
     likely = with_ties(setting, choice, id, probabilities) >= POLICY.verdict.offered
     return likely and has_size(setting, choice.final, id)
 
 
-def has_size(setting: Setting, result: Refit, id: str) -> bool:
+def has_size(setting: PreparedCampaign, result: Refit, id: str) -> bool:
     """True where the interval of any amplitude of a cause leaves out zero.
 
     An effect whose amplitudes belong to recordings has none of the campaign: then it counts.
@@ -132,7 +136,7 @@ def has_size(setting: Setting, result: Refit, id: str) -> bool:
     )
 
 
-def tied(setting: Setting, choice: Choice, no_gap: bool = False) -> list[list[str]]:
+def tied(setting: PreparedCampaign, choice: Choice, no_gap: bool = False) -> list[list[str]]:
     """Groups of effects that these data do not tell apart."""
     groups = detectability.tied_groups(choice.rounds[0].screen)
     if not no_gap:
@@ -144,14 +148,18 @@ def tied(setting: Setting, choice: Choice, no_gap: bool = False) -> list[list[st
     return unique
 
 
-def with_ties(setting: Setting, choice: Choice, id: str, probabilities: dict[str, float]) -> float:
+def with_ties(
+    setting: PreparedCampaign, choice: Choice, id: str, probabilities: dict[str, float]
+) -> float:
     """Probability of a cause together with those that it is tied with."""
     others = {x for g in tied(setting, choice) if id in g for x in g} - {id}
     shares = sorted((probabilities.get(x, 0.0) for x in others), reverse=True)
     return min(probabilities.get(id, 0.0) + sum(shares[: MOST_TIED - 1]), 1.0)
 
 
-def least_probable(setting: Setting, choice: Choice, probabilities: dict[str, float]) -> float:
+def least_probable(
+    setting: PreparedCampaign, choice: Choice, probabilities: dict[str, float]
+) -> float:
     """Probability of the least probable cause, each with those it is tied with."""
     every = (with_ties(setting, choice, id, probabilities) for id in choice.causes)
     return min(every, default=1.0)
@@ -167,7 +175,7 @@ def is_worse(before: Errors, after: Errors) -> bool:
 
 
 def free_errors(
-    setting: Setting, fit: Fit, horizon: float
+    setting: PreparedCampaign, fit: Fit, horizon: float
 ) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray] | None]:
     """Start states and free runs of the held-out recordings."""
     which = list(setting.held_out)

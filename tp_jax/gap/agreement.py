@@ -6,7 +6,7 @@ oddity of a single recording improves that one alone.
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.crossvalidation import left_out_cost
@@ -19,7 +19,7 @@ deviations of one number. Less is as much as noise moves it either way."""
 
 
 def agreement(
-    effect: str, setting: Setting, choice: Choice, before: HeldOut, after: HeldOut | None
+    effect: str, setting: PreparedCampaign, choice: Choice, before: HeldOut, after: HeldOut | None
 ) -> Agreement | None:
     """Returns what the recordings say of an effect, added by itself to where its refit began.
 

@@ -6,12 +6,12 @@ import numpy as np
 
 from tp_jax.effects import Effect, catalogue, laws
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import SENSORS
 from tp_jax.recordings.faults import nearest
 
 
-def conditions(setting: Setting) -> frozenset[str]:
+def conditions(setting: PreparedCampaign) -> frozenset[str]:
     """Returns what the campaign offers, in the words of `Effect.needs`."""
     met = set()
     if setting.rider:
@@ -41,7 +41,7 @@ def check_known(ids: Collection[str]) -> None:
             raise InputError(f"There is no effect {id!r} to leave out; {mend}")
 
 
-def check_predictable(setting: Setting) -> None:
+def check_predictable(setting: PreparedCampaign) -> None:
     """Faults held-out recordings whose drive no fitted one tells anything of.
 
     Raises:
@@ -57,7 +57,7 @@ def check_predictable(setting: Setting) -> None:
             )
 
 
-def why_not(effect: Effect, setting: Setting) -> str | None:
+def why_not(effect: Effect, setting: PreparedCampaign) -> str | None:
     """None if the effect applies, else one sentence that says what is missing."""
     if effect.id in setting.ruled_out:
         return "Left out, as was asked for."

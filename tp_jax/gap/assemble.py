@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.assemble import fit_record
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import correlations, intervals
 from tp_jax.gap import tables
@@ -46,7 +46,11 @@ from tp_jax.results.diagnosis import (
 
 
 def assemble(
-    setting: Setting, choice: Choice, seed: int, tolerance: float = 0.0, more: Sequence[str] = ()
+    setting: PreparedCampaign,
+    choice: Choice,
+    seed: int,
+    tolerance: float = 0.0,
+    more: Sequence[str] = (),
 ) -> DiagnosisRecord:
     """The result as `diagnosis.json` has it, without its provenance; `more`: notes at its end."""
     horizon = _common_horizon(setting, choice.baseline.problem.windows.horizon)
@@ -88,11 +92,21 @@ def assemble(
     worse = final.ids if final.ids and is_worse(gap_before, gap_after) else ()
     word = verdict(
         _evidence(
-            setting, choice, before, after, least, structure_p, structure_p_after,
-            least_probable(setting, choice, probabilities), total, bool(worse),
-            gap_before.free_run, gap_after.free_run,
-        ), tolerance,
-    )  # fmt: skip
+            setting,
+            choice,
+            before,
+            after,
+            least,
+            structure_p,
+            structure_p_after,
+            least_probable(setting, choice, probabilities),
+            total,
+            bool(worse),
+            gap_before.free_run,
+            gap_after.free_run,
+        ),
+        tolerance,
+    )
     no_gap = word == "no_gap"
     # refits are compared with where they began, which has the smoothing that they have
     begun = evaluate(setting, first.searched.values, horizon)
@@ -106,9 +120,17 @@ def assemble(
         rounds = tuple(dataclasses.replace(r, taken=None) for r in choice.rounds)
         choice = dataclasses.replace(choice, rounds=rounds, final=final)
     said = notes(
-        setting, choice, final, word, structure_p_after, after_rest, least,
-        before.complete and after.complete, worse or dropped, doubts,
-    )  # fmt: skip
+        setting,
+        choice,
+        final,
+        word,
+        structure_p_after,
+        after_rest,
+        least,
+        before.complete and after.complete,
+        worse or dropped,
+        doubts,
+    )
     where = () if no_gap else locate(choice, setting, seed)
     said += elsewhere(where, final)
     said += beyond_its_range(setting, final, after.fit)
@@ -147,8 +169,18 @@ def assemble(
         ),
         where=tuple(where),
         accepted=tables.causes(
-            setting, choice, final, begun, held, shrinks, total, probabilities, horizon, seed,
-            least, doubts.unnamed,
+            setting,
+            choice,
+            final,
+            begun,
+            held,
+            shrinks,
+            total,
+            probabilities,
+            horizon,
+            seed,
+            least,
+            doubts.unnamed,
         ),
         candidates=tables.candidates(setting, choice, probabilities, shrinks, against),
         confused_with=tuple(map(tuple, tied(setting, choice, no_gap))),
@@ -162,14 +194,23 @@ def assemble(
         curves=curves(setting, free_before, free_after if ids else None),
         residuals=residuals(setting, before, after if ids else None, least),
         notes=(*said, *more),
-    )  # fmt: skip
+    )
 
 
 def _evidence(
-    setting: Setting, choice: Choice, before: HeldOut, after: HeldOut, least: Floor,
-    structure_p: float, structure_p_after: float, probability: float, total: Shrink, worse: bool,
-    free_before: float | None, free_after: float | None,
-) -> Evidence:  # fmt: skip
+    setting: PreparedCampaign,
+    choice: Choice,
+    before: HeldOut,
+    after: HeldOut,
+    least: Floor,
+    structure_p: float,
+    structure_p_after: float,
+    probability: float,
+    total: Shrink,
+    worse: bool,
+    free_before: float | None,
+    free_after: float | None,
+) -> Evidence:
     floor2 = float(np.mean([v**2 for v in least.total.values()]))
     left, gap = after.mean_square() - floor2, before.mean_square() - floor2
     levels = np.array([*least.noise.values(), 0.0])[:2]
@@ -182,18 +223,25 @@ def _evidence(
         return float(np.sqrt(max(windowed, run, 0.0)))
 
     return Evidence(
-        structure_p, structure_p_after, len(choice.causes), probability, total,
-        left / max(floor2, 1e-300), error, beyond(gap, free_before), beyond(left, free_after),
+        structure_p,
+        structure_p_after,
+        len(choice.causes),
+        probability,
+        total,
+        left / max(floor2, 1e-300),
+        error,
+        beyond(gap, free_before),
+        beyond(left, free_after),
         worse,
-    )  # fmt: skip
+    )
 
 
-def _common_horizon(setting: Setting, horizon: float) -> float:
+def _common_horizon(setting: PreparedCampaign, horizon: float) -> float:
     longest = max(setting.recordings[i].duration for i in setting.held_out)
     return float(min(horizon, longest))
 
 
-def _excess(setting: Setting, baseline: Fit, least: Floor) -> float:
+def _excess(setting: PreparedCampaign, baseline: Fit, least: Floor) -> float:
     """Standard errors by which the misfit exceeds the floor, its own uncertainty included."""
     error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(baseline.dof, 1)))
     error = np.hypot(error, np.sqrt(2.0 * np.sum(least.misfit**2)))

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.confirmation import confirm
@@ -23,7 +23,7 @@ from tp_jax.gap.refit import Refit, refit
 log = logging.getLogger(__name__)
 
 
-def pruned(setting: Setting, result: Refit, policy: BackwardPolicy) -> Refit:
+def pruned(setting: PreparedCampaign, result: Refit, policy: BackwardPolicy) -> Refit:
     """A refit without the causes that the others have made needless.
 
     Args:
@@ -65,7 +65,7 @@ class Tested:
 
 
 def replaced(
-    setting: Setting,
+    setting: PreparedCampaign,
     result: Refit,
     rounds: Sequence[Mapping[str, Refit]],
     policy: BackwardPolicy,
@@ -88,10 +88,12 @@ def replaced(
             if won is None:
                 continue
             near = [
-                r for id, r in refits.items()
-                if id not in result.ids and r.fit.converged
+                r
+                for id, r in refits.items()
+                if id not in result.ids
+                and r.fit.converged
                 and r.fit.chi2_dof < policy.near * won.fit.chi2_dof
-            ]  # fmt: skip
+            ]
             near.sort(key=lambda r: r.cost)
             for rival in near[: policy.rivals]:
                 trial = _instead(setting, result, v, rival)
@@ -110,7 +112,7 @@ def replaced(
     return result, tested
 
 
-def _predicts_better(setting: Setting, old: Refit, new: Refit) -> bool:
+def _predicts_better(setting: PreparedCampaign, old: Refit, new: Refit) -> bool:
     """True where groups left out are predicted better, in short windows and in long ones."""
     effects = (*old.variants, *new.variants)
     within = any(u.recording is not None for v in effects for u in v.unknowns)
@@ -133,14 +135,14 @@ def _needed(variant: Variant, policy: BackwardPolicy) -> float:
     return policy.deviance + policy.per_amplitude * len(variant.unknowns)
 
 
-def without(setting: Setting, result: Refit, gone: Variant) -> Refit:
+def without(setting: PreparedCampaign, result: Refit, gone: Variant) -> Refit:
     """The same fit without one cause, the others fitted again."""
     rest = [v for v in result.variants if v is not gone]
     values = result.fit.values.replace({u.name: 0.0 for u in gone.unknowns})
     return refit(setting, dataclasses.replace(result.fit, values=values), rest)
 
 
-def _instead(setting: Setting, result: Refit, gone: Variant, rival: Refit) -> Refit:
+def _instead(setting: PreparedCampaign, result: Refit, gone: Variant, rival: Refit) -> Refit:
     """The same causes with a rival in the place of one, from where the rival was fitted before.
 
     From where the cause stood there may be no way: what a spring had, gravity may have now.

@@ -7,7 +7,7 @@ the windows' states are estimated anew. Source: Stone (1974), J. R. Statist. Soc
 
 import dataclasses
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Values
 from tp_jax.gap.choice import Choice
@@ -16,7 +16,7 @@ from tp_jax.gap.held_out import evaluate, shrink
 
 
 def shrink_by_recording(
-    setting: Setting, choice: Choice, horizon: float, seed: int
+    setting: PreparedCampaign, choice: Choice, horizon: float, seed: int
 ) -> dict[str, float | None]:
     """Label of each recording -> part of its removable gap that is gone.
 
@@ -40,7 +40,7 @@ def shrink_by_recording(
     return out
 
 
-def _held_out(setting: Setting, i: int) -> Setting:
+def _held_out(setting: PreparedCampaign, i: int) -> PreparedCampaign:
     """The campaign with one recording held out and no other: its noise is the floor."""
     recordings = tuple(
         dataclasses.replace(r, held_out=j == i) for j, r in enumerate(setting.recordings)

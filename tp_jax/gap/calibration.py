@@ -12,7 +12,7 @@ import dataclasses
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import Linearisation, spread
@@ -21,7 +21,7 @@ from tp_jax.estimation.linearisation import columns as slots_of
 NAMES = ("phi1", "phi2")
 
 
-def columns(setting: Setting, fit: Fit) -> np.ndarray:
+def columns(setting: PreparedCampaign, fit: Fit) -> np.ndarray:
     """Derivatives (w, m, q) of the residuals of a fit by the shapes' unknown numbers.
 
     One column per shape of each calibration, prior of mean 0 and standard deviation 1; rows as in
@@ -85,14 +85,14 @@ class Floor:
         return rng.standard_normal((n, self.parts.size)) ** 2 @ self.parts
 
 
-def noise_alone(setting: Setting) -> Floor:
+def noise_alone(setting: PreparedCampaign) -> Floor:
     """The floor where nothing is known of the calibration's error."""
     none = np.zeros(0)
     noise = setting.held_out_noise
     return Floor(noise, dict.fromkeys(noise, 0.0), none, none)
 
 
-def floor(setting: Setting, fit: Fit, held_out: Fit) -> Floor:
+def floor(setting: PreparedCampaign, fit: Fit, held_out: Fit) -> Floor:
     """The floor on held-out recordings under a fit, whose unknowns absorb part of the error.
 
     Args:

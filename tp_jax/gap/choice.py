@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.backward import Tested, pruned, replaced
@@ -29,7 +29,16 @@ from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import floor_error
 from tp_jax.gap.left_out import LeftOut, groups, largest_share, left_out, shares
 from tp_jax.gap.policy import POLICY
-from tp_jax.gap.refit import Refit, freed, lengthened, polish, refit, regrown, removable, sharper
+from tp_jax.gap.refit import (
+    Refit,
+    polish,
+    refit,
+    refit_from_short_windows,
+    refit_longer_windows,
+    refit_shape_constants,
+    refit_with_sharp_friction,
+    removable,
+)
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
 from tp_jax.gap.verdict import combined
@@ -93,9 +102,13 @@ class Choice:
 
 
 def choose(
-    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None],
-    known: Refit | None = None, elsewhere: Callable[[Round], bool] | None = None,
-) -> Choice:  # fmt: skip
+    setting: PreparedCampaign,
+    baseline: Fit,
+    seed: int,
+    progress: Callable[[str, float | None], None],
+    known: Refit | None = None,
+    elsewhere: Callable[[Round], bool] | None = None,
+) -> Choice:
     """Adds causes one by one while the data inside the fit support them.
 
     Held-out data are not touched here.
@@ -112,7 +125,7 @@ def choose(
     tested: list[Tested] = []
     noise_only = max(removable(baseline), 0.0)
     progress("sharpening the friction", None)
-    sharp = sharp_baseline = sharper(setting, current)
+    sharp = sharp_baseline = refit_with_sharp_friction(setting, current)
     for n in range(len(REFITTED) + 1):
         progress("screening the catalogue", None)
         # In addition to a cause, effects with states take programs of their own: they wait until
@@ -159,9 +172,9 @@ def choose(
                 current.fit.problem.programs.add({*current.ids, s.id})
             trial = tried(setting, current, s, known)
             if i < ALWAYS:
-                trial = freed(setting, current.fit, trial)
+                trial = refit_shape_constants(setting, current.fit, trial)
                 if min(left, removable(trial.fit)) > enough:
-                    trial = regrown(setting, current.fit, trial)
+                    trial = refit_from_short_windows(setting, current.fit, trial)
             refits[s.id] = trial
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         if n == 0 and elsewhere is not None:
@@ -176,7 +189,7 @@ def choose(
             programs = current.fit.problem.programs
             current.fit.problem.compile_ahead(programs.moving & {*current.ids, best}, states=False)
         taken, polished = None, current
-        keener: Refit | None = None
+        sharp_candidate: Refit | None = None
         confirmations: dict[str, Confirmation] = {}
         without: dict[tuple, LeftOut] = {}
         while taken is None and len(confirmations) < ALTERNATIVES:
@@ -189,18 +202,19 @@ def choose(
             log.info("round %d: best %s, left-out gain %.4g +- %.3g", n + 1, best, drop, error)
             if not (small or earned(drop, error, left_now, polished)):
                 break
-            keener = None
+            sharp_candidate = None
             # Where smoothing may be what is left, the cause has to earn its place without it too.
             if small or before is sharp.fit:
                 progress("sharpening the friction", None)
-                keener = sharper(setting, polished)
+                sharp_candidate = refit_with_sharp_friction(setting, polished)
                 if small:
-                    if not clearly(setting, sharp, keener, seed):
+                    if not clearly(setting, sharp, sharp_candidate, seed):
                         break
                 elif not earned(
-                    *gain(left_out_cost(before), left_out_cost(keener.fit), block),
-                    max(removable(before), 0.0), keener,
-                ):  # fmt: skip
+                    *gain(left_out_cost(before), left_out_cost(sharp_candidate.fit), block),
+                    max(removable(before), 0.0),
+                    sharp_candidate,
+                ):
                     break
             progress(f"predicting left-out recordings: {best}", None)
             if polished.fit.converged:
@@ -227,25 +241,25 @@ def choose(
             checked, pairs = replaced(setting, checked, refitted, POLICY.backward)
             tested += pairs
             if checked is not polished:
-                polished, keener = polish(setting, checked), None
+                polished, sharp_candidate = polish(setting, checked), None
         if polished.fit.chi2_dof < POLICY.horizon.below:
             progress("longer windows", None)
-            longer = lengthened(setting, polished, POLICY.horizon.factor)
+            longer = refit_longer_windows(setting, polished, POLICY.horizon.factor)
             if longer is not polished:
-                polished, keener = longer, None
-        if keener is None:
+                polished, sharp_candidate = longer, None
+        if sharp_candidate is None:
             progress("sharpening the friction", None)
-            keener = sharper(setting, polished)
-        current, sharp = polished, keener
+            sharp_candidate = refit_with_sharp_friction(setting, polished)
+        current, sharp = polished, sharp_candidate
     if sharp.ids and sharp.fit.chi2_dof > LENGTHEN:
         for _ in range(LONGER):
             progress("longer windows", None)
-            sharp = lengthened(setting, sharp)
+            sharp = refit_longer_windows(setting, sharp)
     return Choice(sharp_baseline.fit, tuple(rounds), sharp, tuple(tested))
 
 
 def looked_at(
-    setting: Setting, current: Refit, sharp: Refit, seed: int
+    setting: PreparedCampaign, current: Refit, sharp: Refit, seed: int
 ) -> tuple[Fit, Screen, Structure]:
     """A fit that is looked at for what it leaves, its screen, and whether anything is there.
 
@@ -264,7 +278,7 @@ def looked_at(
     return first, seen, structure
 
 
-def tried(setting: Setting, current: Refit, s: Scored, known: Refit | None) -> Refit:
+def tried(setting: PreparedCampaign, current: Refit, s: Scored, known: Refit | None) -> Refit:
     """A refit with one more effect, from the optimum of these effects where it is known."""
     if known is None or {*current.ids, s.id} != set(known.ids):
         return refit(setting, current.fit, [*current.variants, s.variant])
@@ -300,7 +314,7 @@ def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:
 
 
 def confirmed(
-    setting: Setting, current: Refit, trial: Refit, without: dict[tuple, LeftOut]
+    setting: PreparedCampaign, current: Refit, trial: Refit, without: dict[tuple, LeftOut]
 ) -> Confirmation:
     """Returns what recordings left out say of the effect that came last.
 
@@ -323,16 +337,19 @@ def confirmed(
         if key not in without:
             without[key] = left_out(setting, current, group, policy, alone)
         found = confirm(
-            without[key], left_out(setting, trial, group, policy, alone), trial.fit.chi2_dof,
-            len(new.effect.amplitudes), policy,
-        )  # fmt: skip
+            without[key],
+            left_out(setting, trial, group, policy, alone),
+            trial.fit.chi2_dof,
+            len(new.effect.amplitudes),
+            policy,
+        )
         log.info("%s: %s", new.effect.id, found)
         if found.confirmed:
             break
     return found
 
 
-def misfits(setting: Setting, fit: Fit) -> bool:
+def misfits(setting: PreparedCampaign, fit: Fit) -> bool:
     """True where a fit leaves more than noise by the tests that ask for no effect."""
     excess = (fit.chi2_dof - 1.0) / np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
     p = combined(1.0, free_structure(setting, fit).p, excess)
@@ -351,7 +368,7 @@ def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:
     return after < SMOOTHING * left or left < LITTLE * before.dof
 
 
-def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> list[Scored]:
+def _worth_refitting(setting: PreparedCampaign, seen: Screen, structure: Structure) -> list[Scored]:
     """The effects worth a refit, best first; one at least.
 
     Not those that could only help with the wrong sign, nor, of one run, those that drift within
@@ -371,7 +388,7 @@ def _worth_refitting(setting: Setting, seen: Screen, structure: Structure) -> li
     return [s for s in ranked if s.drop > 0.0] or ranked[:1]
 
 
-def tied_by_gain(choice: Choice, setting: Setting) -> list[list[str]]:
+def tied_by_gain(choice: Choice, setting: PreparedCampaign) -> list[list[str]]:
     """Effects whose left-out gain does not differ beyond its error from that of a cause."""
     groups = []
     for r in choice.rounds:

@@ -72,10 +72,10 @@ def moves(fit: Fit, fold: np.ndarray) -> Moves:
     H = fit.eliminated.H[:, free][:, :, free]
     total = fit.information()[np.ix_(free, free)]
     pull = np.zeros(len(names))  # half the gradient of the priors
-    for a in fit.anchors:
+    for a in fit.priors:
         if a.unknown in names:
             spec, x = parameter(fit.problem, a.unknown), _value(fit, a.unknown)
-            off = float(spec.to_coordinate(x)) - a.centre
+            off = float(spec.to_coordinate(x)) - a.mean
             pull[names.index(a.unknown)] += off / (a.sd**2 * spec.slope(x))
     scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
     # coordinates in which all that is known makes a unit matrix

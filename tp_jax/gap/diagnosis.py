@@ -12,7 +12,12 @@ from tp_jax._blas import one_blas_thread
 from tp_jax._files import plain
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import (
+    PreparedCampaign,
+    fit_over_schedule,
+    initial_values,
+    prepare_campaign,
+)
 from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
 from tp_jax.gap.applicability import check_known, check_predictable
 from tp_jax.gap.assemble import assemble
@@ -83,9 +88,14 @@ class Diagnosis(DiagnosisRecord):
             InputError: in one sentence, what is wrong with the arguments or the diagnosis.
         """
         return predict(
-            self, omega=omega, phi1=phi1, recording=recording, duration=duration, rate=rate,
+            self,
+            omega=omega,
+            phi1=phi1,
+            recording=recording,
+            duration=duration,
+            rate=rate,
             model=model,
-        )  # fmt: skip
+        )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,7 +105,7 @@ class Examination:
     setting, choice: of the diagnosis.
     """
 
-    setting: Setting
+    setting: PreparedCampaign
     choice: Choice
     diagnosis: Diagnosis
 
@@ -137,9 +147,15 @@ def diagnose(
         are read once, after it.
     """
     return examine(
-        campaign, model=model, seed=seed, tolerance=tolerance, without=without, progress=progress,
-        checkpoint=checkpoint, resume=resume,
-    ).diagnosis  # fmt: skip
+        campaign,
+        model=model,
+        seed=seed,
+        tolerance=tolerance,
+        without=without,
+        progress=progress,
+        checkpoint=checkpoint,
+        resume=resume,
+    ).diagnosis
 
 
 @one_blas_thread()
@@ -161,8 +177,11 @@ def examine(
     progress("preparing the recordings", None)
     given, campaign = campaign, hold_out(campaign)
     asked = {
-        "model": model, "seed": seed, "tolerance": tolerance, "without": sorted(set(without)),
-    }  # fmt: skip
+        "model": model,
+        "seed": seed,
+        "tolerance": tolerance,
+        "without": sorted(set(without)),
+    }
     kept = fits_checkpoint(checkpoint, resume, campaign, asked)
     with keeping(kept):
         setting, choice = _chosen(campaign, model, seed, without, progress)
@@ -184,9 +203,13 @@ def examine(
 
 
 def _chosen(
-    campaign: Campaign, model: str, seed: int, without: Collection[str],
-    progress: Callable[[str, float | None], None], gap: bool = False,
-) -> tuple[Setting, Choice]:  # fmt: skip
+    campaign: Campaign,
+    model: str,
+    seed: int,
+    without: Collection[str],
+    progress: Callable[[str, float | None], None],
+    gap: bool = False,
+) -> tuple[PreparedCampaign, Choice]:
     """The causes that fitted recordings speak for.
 
     Args:
@@ -195,7 +218,9 @@ def _chosen(
     setting = prepare_campaign(campaign, model=model, without=without)
     check_predictable(setting)
     setting.problem(setting.horizons[0]).compile_ahead(frozenset())
-    baseline = grow(setting, initial_values(setting), setting.unknowns(), progress=progress)
+    baseline = fit_over_schedule(
+        setting, initial_values(setting), setting.unknowns(), progress=progress
+    )
     if not np.isfinite(baseline.cost):
         raise InputError(
             "The model cannot be integrated through the recordings from any start; check the units "

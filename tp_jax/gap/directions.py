@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from tp_jax.effects import Effect, Law
 from tp_jax.effects.laws import HALF, MIDDLE
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Unknown
 
 
@@ -31,7 +31,7 @@ class Variant:
         return {self.effect.qualified(n): v for n, v in numbers.items()}
 
 
-def amplitude_unknowns(effect: Effect, setting: Setting) -> tuple[Unknown, ...]:
+def amplitude_unknowns(effect: Effect, setting: PreparedCampaign) -> tuple[Unknown, ...]:
     """The amplitudes of an effect over the fitted recordings."""
     unknowns: list[Unknown] = []
     for a in effect.amplitudes:
@@ -47,7 +47,7 @@ def amplitude_unknowns(effect: Effect, setting: Setting) -> tuple[Unknown, ...]:
     return tuple(unknowns)
 
 
-def variants(effect: Effect, setting: Setting) -> list[Variant]:
+def variants(effect: Effect, setting: PreparedCampaign) -> list[Variant]:
     """The effect at every point of its shape grid; a law over what the recordings visit."""
     unknowns = amplitude_unknowns(effect, setting)
     if isinstance(effect, Law):

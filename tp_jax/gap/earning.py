@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.policy import POLICY
@@ -51,7 +51,7 @@ def likeliest(refits: dict[str, Refit]) -> str:
     return min(refits, key=lambda id: refits[id].cost + PER_AMPLITUDE * amplitudes(refits[id]))
 
 
-def clearly(setting: Setting, before: Refit, after: Refit, seed: int) -> bool:
+def clearly(setting: PreparedCampaign, before: Refit, after: Refit, seed: int) -> bool:
     """True where an effect that takes next to nothing of a large gap is there beyond doubt.
 
     A law of friction that is not quite the rig's leaves something too, which other effects take in

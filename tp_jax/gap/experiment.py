@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
@@ -18,7 +18,7 @@ DURATION = 10.0  # s
 
 
 def rehearsal(
-    setting: Setting, fit: Fit, duration: float
+    setting: PreparedCampaign, fit: Fit, duration: float
 ) -> Callable[[Sequence[np.ndarray | None]], Problem]:
     """Makes problems of runs that were not made: from their readings, windows as those of a fit.
 
@@ -43,14 +43,18 @@ def rehearsal(
         windows = cut(prepared, fit.problem.windows.horizon)
         capacity = room(windows, setting.capacity)
         return Problem(
-            setting.layout, tuple(prepared), windows, capacity,
-            setting.fixed["B1"], programs=setting.programs,
-        )  # fmt: skip
+            setting.layout,
+            tuple(prepared),
+            windows,
+            capacity,
+            setting.fixed["B1"],
+            programs=setting.programs,
+        )
 
     return problem_of
 
 
-def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> NextExperiment | None:
+def propose(setting: PreparedCampaign, fit: Fit, a: Scored, b: Scored) -> NextExperiment | None:
     """The best of a few sine runs; None where the drive is measured or no sine can be set."""
     omegas = [r.omega for r in setting.recordings if r.forced and r.omega]
     if not setting.sine or not omegas:
@@ -98,6 +102,9 @@ def propose(setting: Setting, fit: Fit, a: Scored, b: Scored) -> NextExperiment 
         sigmas.append(float(np.sqrt(max(ea @ V @ ea, 0.0))))
     best = int(np.argmax(sigmas))
     return NextExperiment(
-        omega=float(grid[best]), forced=True, duration=DURATION, separates=(a.id, b.id),
+        omega=float(grid[best]),
+        forced=True,
+        duration=DURATION,
+        separates=(a.id, b.id),
         expected_sigma=sigmas[best],
-    )  # fmt: skip
+    )

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
@@ -62,9 +62,14 @@ def natural_frequency(numbers: Mapping[str, float]) -> float:
 
 
 def forecasts(
-    setting: Setting, choice: Choice, first: str | None, rivals: Sequence[str],
-    runs: Sequence[Run], duration: float, amplitude: float | None,
-) -> tuple[Forecast, ...]:  # fmt: skip
+    setting: PreparedCampaign,
+    choice: Choice,
+    first: str | None,
+    rivals: Sequence[str],
+    runs: Sequence[Run],
+    duration: float,
+    amplitude: float | None,
+) -> tuple[Forecast, ...]:
     """Returns what each run is expected to do.
 
     Args:
@@ -131,7 +136,7 @@ def _left(problem: Any, values: Values, model: Alternative) -> np.ndarray:
     return np.array(left)
 
 
-def _largest(setting: Setting, motions: Sequence[np.ndarray]) -> float:
+def _largest(setting: PreparedCampaign, motions: Sequence[np.ndarray]) -> float:
     """Largest angle of any of the models that can be followed to the end [rad]."""
     channels = 2 if setting.rider else 1
     angles = [motion[:, :channels] for motion in motions]
@@ -139,7 +144,11 @@ def _largest(setting: Setting, motions: Sequence[np.ndarray]) -> float:
 
 
 def _table(
-    setting: Setting, values: Values, runs: Sequence[Run], duration: float, amplitude: float | None
+    setting: PreparedCampaign,
+    values: Values,
+    runs: Sequence[Run],
+    duration: float,
+    amplitude: float | None,
 ) -> Values:
     """The numbers of runs that were not made yet, those of the last fitted recording otherwise."""
     index = values.layout.index
@@ -195,8 +204,8 @@ def _of_screen(fit: Fit, scored: Scored) -> Alternative:
     unknowns = [*base, *scored.variant.unknowns]
     lin = fit.problem.linearise(at, fit.states, columns(unknowns))
     H = eliminate(lin.r, lin.states_jac, spread(lin, unknowns)).H.sum(axis=0)
-    priors = np.diag(fit.information() - fit.eliminated.H.sum(axis=0))
-    known = dict(zip(fit.unknowns, priors, strict=True))
+    of_priors = np.diag(fit.information() - fit.eliminated.H.sum(axis=0))
+    known = dict(zip(fit.unknowns, of_priors, strict=True))
     H[np.arange(len(base)), np.arange(len(base))] += [known[u] for u in base]
     values = at.put(base, moved).put(scored.variant.unknowns, scored.estimate)
     shared = [i for i, u in enumerate(unknowns) if u.recording is None]
@@ -206,9 +215,12 @@ def _of_screen(fit: Fit, scored: Scored) -> Alternative:
 
 
 def outlook(
-    examination: Examination, limits: Limits, duration: float, amplitude: float | None = None,
+    examination: Examination,
+    limits: Limits,
+    duration: float,
+    amplitude: float | None = None,
     policy: ExplorePolicy = POLICY.explore,
-) -> Finding:  # fmt: skip
+) -> Finding:
     """Returns what a diagnosis says of the next run, with forecasts of all that may come.
 
     Args:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.variable_projection import fit
@@ -13,7 +13,9 @@ from tp_jax.gap.held_out import carried_over
 from tp_jax.recordings import stretches
 
 
-def start_state(setting: Setting, values: Values, recording: int, horizon: float) -> np.ndarray:
+def start_state(
+    setting: PreparedCampaign, values: Values, recording: int, horizon: float
+) -> np.ndarray:
     """State at the start of a recording (4,), estimated on its first window only.
 
     The window ends at a gap, unless that leaves fewer than eight samples.
@@ -25,14 +27,18 @@ def start_state(setting: Setting, values: Values, recording: int, horizon: float
     windows = Windows(np.array([recording]), np.array([0]), np.array([max(count, 8)]), horizon)
     capacity = room(windows, setting.capacity)
     problem = Problem(
-        setting.layout, setting.prepared, windows, capacity, setting.fixed["B1"],
+        setting.layout,
+        setting.prepared,
+        windows,
+        capacity,
+        setting.fixed["B1"],
         programs=setting.programs,
-    )  # fmt: skip
+    )
     return fit(problem, values, (), max_iterations=15, relative=1e-6).states[0]
 
 
 def free_runs(
-    setting: Setting, values: Values, recordings: Sequence[int], states: np.ndarray
+    setting: PreparedCampaign, values: Values, recordings: Sequence[int], states: np.ndarray
 ) -> list[np.ndarray]:
     """Predicted readings of recordings (n, 2) [rad] from their start states (r, 4) alone.
 

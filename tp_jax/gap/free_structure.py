@@ -24,7 +24,7 @@ import dataclasses
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import spread
@@ -39,7 +39,7 @@ LEAST = 1e-12  # p: of the tail beyond, the approximation knows nothing
 
 
 def free_structure(
-    setting: Setting, fit: Fit, policy: StructurePolicy = POLICY.structure
+    setting: PreparedCampaign, fit: Fit, policy: StructurePolicy = POLICY.structure
 ) -> LackOfFit:
     """Test that a fit leaves nothing but noise.
 
@@ -102,7 +102,7 @@ class FreeScores:
         return np.maximum(value, 0.0), z
 
 
-def free_scores(setting: Setting, fit: Fit, free: FreeColumns) -> FreeScores:
+def free_scores(setting: PreparedCampaign, fit: Fit, free: FreeColumns) -> FreeScores:
     """Scores of the coefficients of free columns at zero.
 
     Args:
@@ -138,7 +138,7 @@ def _channels(source: str) -> set[int]:
     return {"sensor1": {0}, "sensor2": {1}}.get(source.split()[0], {0, 1})
 
 
-def _coarse(setting: Setting) -> set[int]:
+def _coarse(setting: PreparedCampaign) -> set[int]:
     """Channels whose steps hide their noise."""
     return {
         c

@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tp_jax.effects import Amplitude, Effect, Shape
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.problem import Problem
@@ -69,18 +69,25 @@ class FreeColumns:
     weight: np.ndarray
 
 
-def free_columns(setting: Setting, fit: Fit) -> FreeColumns:
+def free_columns(setting: PreparedCampaign, fit: Fit) -> FreeColumns:
     """Returns what is free in each window of a fit, as columns of its Jacobian."""
     effects = (FreeColumnTorque(), FreeContactTorque()) if setting.rider else (FreeColumnTorque(),)
     before = fit.problem
     layout = Layout(setting.campaign.model, effects)
     problem = Problem(
-        layout, before.prepared, before.windows, before.capacity, before.B1,
+        layout,
+        before.prepared,
+        before.windows,
+        before.capacity,
+        before.B1,
         before.tolerances,
-    )  # fmt: skip
+    )
     values = Values.build(layout, fit.values.table.shape[1], {})
-    same = [fit.values.layout.index[p.name] for p in layout.parameters if p.name in
-            fit.values.layout.index]  # fmt: skip
+    same = [
+        fit.values.layout.index[p.name]
+        for p in layout.parameters
+        if p.name in fit.values.layout.index
+    ]
     table = values.table.copy()
     table[: len(same)] = fit.values.table[same]
     values = Values(layout, table)
@@ -107,7 +114,7 @@ def _where_read(fit: Fit, jac: np.ndarray) -> np.ndarray:
     return jac
 
 
-def errors_of_readings(setting: Setting, fit: Fit) -> FreeColumns:
+def errors_of_readings(setting: PreparedCampaign, fit: Fit) -> FreeColumns:
     """The same of sensors, and of times: a delay between the two (constant and growing), jitter."""
     problem, lin = fit.problem, fit.linearisation
     w, n = problem.windows, lin.n_samples
@@ -120,9 +127,9 @@ def errors_of_readings(setting: Setting, fit: Fit) -> FreeColumns:
         t = setting.prepared[w.recording[i]].t[w.first[i] : w.first[i] + w.count[i]]
         since[i, : w.count[i]] = t - t[0]
     angle = 2.0 * np.pi * since / w.horizon
-    start_sd = np.array([
-        setting.prepared[r].smooth_sd[f] for r, f in zip(w.recording, w.first, strict=True)
-    ])  # fmt: skip
+    start_sd = np.array(
+        [setting.prepared[r].smooth_sd[f] for r, f in zip(w.recording, w.first, strict=True)]
+    )
     velocity, sigma = lin.states[:, :, 2:4], problem.sigma
 
     def add(name: str, errors: dict, prior: dict | None = None, weight: float = 1.0) -> None:

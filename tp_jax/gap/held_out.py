@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import matmul_toeplitz
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Values
@@ -72,13 +72,13 @@ class HeldOut:
         return float(np.sqrt((error**2).sum()) / square.sum())
 
 
-def carried_over(values: Values, setting: Setting) -> Values:
+def carried_over(values: Values, setting: PreparedCampaign) -> Values:
     """Numbers for the held-out recordings, of what belongs to one recording."""
     return expected_elsewhere(values, setting, setting.fitted, setting.held_out)
 
 
 def expected_elsewhere(
-    values: Values, setting: Setting, seen: Sequence[int], elsewhere: Sequence[int]
+    values: Values, setting: PreparedCampaign, seen: Sequence[int], elsewhere: Sequence[int]
 ) -> Values:
     """Numbers for recordings that were not fitted, of what belongs to one recording.
 
@@ -97,9 +97,10 @@ def expected_elsewhere(
     driven = [i for i in seen if running[i] > 0.0]
     of_drive = {
         e.qualified(a.name)
-        for e in setting.layout.effects if "sine" in e.needs
+        for e in setting.layout.effects
+        if "sine" in e.needs
         for a in e.amplitudes
-    }  # fmt: skip
+    }
     for i, p in enumerate(setting.layout.parameters):
         if p.scope == "recording" and p.name not in FIXED_BY_RECORDING:
             # a motor that stands has nothing to say of its speed
@@ -125,7 +126,11 @@ FIXED_BY_RECORDING = ("omega", "running", "metered", "drift_middle", "drift_rate
 
 
 def evaluate(
-    setting: Setting, values: Values, horizon: float, effects=(), which: Sequence[int] | None = None
+    setting: PreparedCampaign,
+    values: Values,
+    horizon: float,
+    effects=(),
+    which: Sequence[int] | None = None,
 ) -> HeldOut:
     """Windowed errors of a model on some recordings (the held-out ones if None).
 
@@ -137,10 +142,10 @@ def evaluate(
     values = expected_elsewhere(values, setting, others, which)
     problem = setting.problem(horizon, which)
     # zero1 belongs to the campaign and is known from the fit; that of phi2 to the recording.
-    extra, priors = nuisances(list(effects), setting, which)
+    extra, more = nuisances(list(effects), setting, which)
     unknowns = [u for u in extra if u.recording is not None]
-    anchors = [a for a in priors if a.unknown in unknowns]
-    result = fit(problem, values, unknowns, anchors=anchors, max_iterations=12, relative=1e-5)
+    priors = [a for a in more if a.unknown in unknowns]
+    result = fit(problem, values, unknowns, priors=priors, max_iterations=12, relative=1e-5)
     return squares(result)
 
 
@@ -185,7 +190,7 @@ def expected_squares(result: Fit) -> tuple[np.ndarray, np.ndarray]:
     return np.maximum(mean, 0.0), np.maximum(square, 0.0)
 
 
-def floor_error(setting: Setting) -> float:
+def floor_error(setting: PreparedCampaign) -> float:
     """Relative standard error of the noise's variance, which is an estimate from the samples."""
     samples = sum(setting.recordings[i].n for i in setting.fitted)
     return max(FLOOR_ERROR, PER_SAMPLE / float(np.sqrt(samples)))
@@ -201,7 +206,11 @@ class Shrink:
 
 
 def shrink(
-    setting: Setting, before: HeldOut, after: HeldOut, seed: int, least: Floor | None = None
+    setting: PreparedCampaign,
+    before: HeldOut,
+    after: HeldOut,
+    seed: int,
+    least: Floor | None = None,
 ) -> Shrink:
     """1 - max(after^2 - floor^2, 0) / (before^2 - floor^2), windows resampled for its interval.
 

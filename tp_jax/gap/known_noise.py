@@ -5,20 +5,23 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.residual_noise import with_residual_noise
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.learned import choose_or_learn, learn
 from tp_jax.gap.policy import POLICY, NoisePolicy
-from tp_jax.gap.refit import Refit, lengthened
+from tp_jax.gap.refit import Refit, refit_longer_windows
 
 
 def choose_under_noise(
-    setting: Setting, baseline: Fit, seed: int, progress: Callable[[str, float | None], None],
+    setting: PreparedCampaign,
+    baseline: Fit,
+    seed: int,
+    progress: Callable[[str, float | None], None],
     gap: bool = False,
-) -> tuple[Setting, Choice]:  # fmt: skip
+) -> tuple[PreparedCampaign, Choice]:
     """The causes, and the campaign with its noise as it shows once they are in.
 
     Where the data alone do not say what colour the noise has, what the baseline leaves does, and
@@ -45,7 +48,9 @@ def choose_under_noise(
     return setting, learn(setting, choice, seed, progress, known)
 
 
-def alike(one: Setting, other: Setting, policy: NoisePolicy = POLICY.noise) -> bool:
+def alike(
+    one: PreparedCampaign, other: PreparedCampaign, policy: NoisePolicy = POLICY.noise
+) -> bool:
     """True where a campaign has about the same noise in both."""
     ratio = np.abs(np.log(one.levels / other.levels))[one.fitted]
     if ratio.max() > policy.level:
@@ -63,9 +68,12 @@ def alike(one: Setting, other: Setting, policy: NoisePolicy = POLICY.noise) -> b
 
 
 def _looked_longer(
-    setting: Setting, baseline: Fit, choice: Choice, seed: int,
+    setting: PreparedCampaign,
+    baseline: Fit,
+    choice: Choice,
+    seed: int,
     progress: Callable[[str, float | None], None],
-) -> tuple[Setting, Fit, Choice]:  # fmt: skip
+) -> tuple[PreparedCampaign, Fit, Choice]:
     """Decays over longer windows, where shorter ones show no cause.
 
     A drag that takes a hundredth of the energy in a period is hidden by the noise of a window of
@@ -75,7 +83,7 @@ def _looked_longer(
     for look in range(policy.looks):
         if choice.final.ids or baseline.chi2_dof >= policy.below:
             break
-        longer = lengthened(setting, Refit(baseline, ()), policy.factor).fit
+        longer = refit_longer_windows(setting, Refit(baseline, ()), policy.factor).fit
         if longer is baseline:
             break
         progress("longer windows", None)
@@ -85,7 +93,9 @@ def _looked_longer(
     return setting, baseline, choice
 
 
-def with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting, Fit]:
+def with_noise_of(
+    setting: PreparedCampaign, shown: Fit, baseline: Fit
+) -> tuple[PreparedCampaign, Fit]:
     """The campaign with the noise that a fit shows, and the baseline under it.
 
     A fit under white noise absorbs some of a colour where its windows start at rest, so that of the
@@ -98,8 +108,13 @@ def with_noise_of(setting: Setting, shown: Fit, baseline: Fit) -> tuple[Setting,
             break
         setting, problem = found, found.problem(baseline.problem.windows.horizon)
         baseline = fit(
-            problem, baseline.values, baseline.unknowns, baseline.states, bounds=found.bounds,
-            anchors=baseline.anchors, relative=1e-7,
-        )  # fmt: skip
+            problem,
+            baseline.values,
+            baseline.unknowns,
+            baseline.states,
+            bounds=found.bounds,
+            priors=baseline.priors,
+            relative=1e-7,
+        )
         shown = baseline
     return setting, baseline

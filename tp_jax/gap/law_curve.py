@@ -5,7 +5,7 @@ import numpy as np
 from tp_jax import _tails as tails
 from tp_jax.effects import Law
 from tp_jax.effects.laws import DEGREE, FROZEN, HALF, MIDDLE, curve
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown
@@ -21,7 +21,7 @@ BINS = 40
 """Bins of the histogram of visited values."""
 
 
-def curve_of(setting: Setting, fit: Fit, variant: Variant) -> tuple[Curve, str | None]:
+def curve_of(setting: PreparedCampaign, fit: Fit, variant: Variant) -> tuple[Curve, str | None]:
     """A law's curve over what the fitted recordings visited.
 
     Args:
@@ -58,11 +58,14 @@ def curve_of(setting: Setting, fit: Fit, variant: Variant) -> tuple[Curve, str |
     sd = tails.student_level(0.025, float(np.min(dof[mine]))) * sd / level
     share, edges = np.histogram(samples, bins=BINS, range=(x[0], x[-1]))
     found = Curve(
-        argument=law.argument.symbol, unit=law.argument.unit, x=tuple(x.tolist()),
-        y=tuple(y.tolist()), y_unit=law.place.unit,
+        argument=law.argument.symbol,
+        unit=law.argument.unit,
+        x=tuple(x.tolist()),
+        y=tuple(y.tolist()),
+        y_unit=law.place.unit,
         ci95=tuple(zip((y - sd).tolist(), (y + sd).tolist(), strict=True)),
         visited=Visited(tuple(edges.tolist()), tuple((share / share.sum()).tolist())),
-    )  # fmt: skip
+    )
     return found, short_formula(x, y, sd, law.argument.symbol, sided=law.argument.sided)
 
 

@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tp_jax.effects import AnyLaw
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.choice import FURTHER, Choice, Round, choose, confirmed, looked_at, misfits, tried
@@ -25,7 +25,15 @@ from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import earned
 from tp_jax.gap.policy import POLICY, LearningPolicy
-from tp_jax.gap.refit import Refit, lengthened, polish, refit, regrown, removable, sharper
+from tp_jax.gap.refit import (
+    Refit,
+    polish,
+    refit,
+    refit_from_short_windows,
+    refit_longer_windows,
+    refit_with_sharp_friction,
+    removable,
+)
 from tp_jax.gap.screen import Scored, prior_information, screen
 from tp_jax.gap.structure import Structure, structure_test
 from tp_jax.gap.visited import with_supports
@@ -46,7 +54,11 @@ class _Trial:
 
 
 def choose_or_learn(
-    setting: Setting, baseline: Fit, seed: int, progress: Progress, known: Refit | None = None
+    setting: PreparedCampaign,
+    baseline: Fit,
+    seed: int,
+    progress: Progress,
+    known: Refit | None = None,
 ) -> Choice:
     """The causes of `choose`, or a law that does alone what no formula does.
 
@@ -73,7 +85,9 @@ def choose_or_learn(
     return law or choose(setting, baseline, seed, progress, known)
 
 
-def _alone(setting: Setting, r: Round, progress: Progress, known: Refit | None) -> list[_Trial]:
+def _alone(
+    setting: PreparedCampaign, r: Round, progress: Progress, known: Refit | None
+) -> list[_Trial]:
     """The law that leaves noise alone where every formula leaves more, or none."""
     best = min(r.refits.values(), key=lambda x: removable(x.fit), default=Refit(r.searched, ()))
     if removable(best.fit) < _worth_asking(best.fit):
@@ -99,7 +113,11 @@ def _worth_asking(fit: Fit, policy: LearningPolicy = POLICY.learning) -> float:
 
 
 def learn(
-    setting: Setting, choice: Choice, seed: int, progress: Progress, known: Refit | None = None
+    setting: PreparedCampaign,
+    choice: Choice,
+    seed: int,
+    progress: Progress,
+    known: Refit | None = None,
 ) -> Choice:
     """A choice of causes, with a law where they leave structure and a law takes it.
 
@@ -111,7 +129,9 @@ def learn(
     return _with_law(setting, choice, seed, progress, known) or choice
 
 
-def unexplained(setting: Setting, choice: Choice, policy: LearningPolicy = POLICY.learning) -> bool:
+def unexplained(
+    setting: PreparedCampaign, choice: Choice, policy: LearningPolicy = POLICY.learning
+) -> bool:
     """True where so much more than noise is left that a curve could be told from it."""
     final = choice.final.fit
     if removable(final) < _worth_asking(final, policy):
@@ -120,7 +140,7 @@ def unexplained(setting: Setting, choice: Choice, policy: LearningPolicy = POLIC
 
 
 def _with_law(
-    setting: Setting, choice: Choice, seed: int, progress: Progress, known: Refit | None
+    setting: PreparedCampaign, choice: Choice, seed: int, progress: Progress, known: Refit | None
 ) -> Choice | None:
     """The choice with the law that does best, or None."""
     first, last = choice.rounds[0], choice.rounds[-1]
@@ -134,7 +154,7 @@ def _with_law(
 
 
 def _first_accepted(
-    setting: Setting, choice: Choice, trials: list[_Trial], seed: int, progress: Progress
+    setting: PreparedCampaign, choice: Choice, trials: list[_Trial], seed: int, progress: Progress
 ) -> Choice | None:
     """The choice with the best law that passes what a cause has to pass, or None."""
     last = choice.rounds[-1]
@@ -162,7 +182,7 @@ def _first_accepted(
     return None
 
 
-def _on_windows_of(setting: Setting, result: Refit, fit: Fit) -> Refit:
+def _on_windows_of(setting: PreparedCampaign, result: Refit, fit: Fit) -> Refit:
     """A refit, fitted again on another fit's windows where those have another length."""
     horizon = fit.problem.windows.horizon
     if horizon == result.fit.problem.windows.horizon:
@@ -171,9 +191,14 @@ def _on_windows_of(setting: Setting, result: Refit, fit: Fit) -> Refit:
 
 
 def _tried(
-    setting: Setting, r: Round, base: Refit, progress: Progress, known: Refit | None,
-    many: int = POLICY.learning.refitted, least: float = 0.0,
-) -> list[_Trial]:  # fmt: skip
+    setting: PreparedCampaign,
+    r: Round,
+    base: Refit,
+    progress: Progress,
+    known: Refit | None,
+    many: int = POLICY.learning.refitted,
+    least: float = 0.0,
+) -> list[_Trial]:
     """The laws with the largest evidence, refitted in addition to what is in a model.
 
     Args:
@@ -192,14 +217,18 @@ def _tried(
         base.fit.problem.programs.add({*base.ids, AnyLaw.id})
         trial = tried(setting, base, s, known)
         if not _nothing_left(trial.fit):
-            trial = regrown(setting, base.fit, trial)
+            trial = refit_from_short_windows(setting, base.fit, trial)
         trial = polish(setting, trial)
         if not trial.fit.converged:
             trial = polish(setting, trial, FURTHER)
         found = gain(reference, left_out_cost(trial.fit), blocks_of(trial.fit, setting))
         out.append(_Trial(trial, base, r, found))
-        log.info("%s: log evidence %.4g, left-out gain %.4g +- %.3g",
-                 "+".join(trial.ids), _evidence(r.before, s), *found)  # fmt: skip
+        log.info(
+            "%s: log evidence %.4g, left-out gain %.4g +- %.3g",
+            "+".join(trial.ids),
+            _evidence(r.before, s),
+            *found,
+        )
         if _nothing_left(trial.fit):
             break
     return out
@@ -237,16 +266,20 @@ def _evidence(fit: Fit, s: Scored) -> float:
 
 
 def _taken(
-    setting: Setting, choice: Choice, trial: _Trial, answer: Confirmation, seed: int,
+    setting: PreparedCampaign,
+    choice: Choice,
+    trial: _Trial,
+    answer: Confirmation,
+    seed: int,
     progress: Progress,
-) -> Choice:  # fmt: skip
+) -> Choice:
     """The choice in which a law is the last cause."""
     law, polished = trial.result.ids[-1], trial.result
     if polished.fit.chi2_dof < POLICY.horizon.below:
         progress("longer windows", None)
-        polished = lengthened(setting, polished, POLICY.horizon.factor)
+        polished = refit_longer_windows(setting, polished, POLICY.horizon.factor)
     progress("sharpening the friction", None)
-    sharp = sharper(setting, polished)
+    sharp = refit_with_sharp_friction(setting, polished)
     r, beside = trial.round, trial.base.ids
     both = screen(r.before, setting, skip=beside, states=not beside, learned=True)
     # p values of laws in addition to those of the catalogue; that of the round stays what it was

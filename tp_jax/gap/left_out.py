@@ -12,7 +12,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting, handed_on
+from tp_jax.estimation.baseline import PreparedCampaign, warm_start_states
 from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown, Values
@@ -28,7 +28,9 @@ from tp_jax.gap.refit import Refit, with_shapes
 ZEROS = ("zero2",)
 
 
-def groups(setting: Setting, fit: Fit, policy: FoldPolicy, within: bool = False) -> np.ndarray:
+def groups(
+    setting: PreparedCampaign, fit: Fit, policy: FoldPolicy, within: bool = False
+) -> np.ndarray:
     """Group of each window (w,): recordings, or spans of them where there are few.
 
     Args:
@@ -69,7 +71,7 @@ class LeftOut:
 
 
 def left_out(
-    setting: Setting,
+    setting: PreparedCampaign,
     result: Refit,
     group: np.ndarray,
     policy: ConfirmPolicy,
@@ -118,16 +120,26 @@ def left_out(
 
 
 def _fitted_without(
-    setting: Setting, result: Refit, inside: np.ndarray, values: Values, free: list[Unknown]
+    setting: PreparedCampaign,
+    result: Refit,
+    inside: np.ndarray,
+    values: Values,
+    free: list[Unknown],
 ) -> Values:
     """The numbers of a model that is fitted to all windows but those of a group."""
     whole = result.fit
     outside = np.flatnonzero(~inside)
     _, bounds = with_shapes(setting, result)
     found = fit(
-        of_windows(whole.problem, outside), values, free, whole.states[outside], bounds=bounds,
-        anchors=[a for a in whole.anchors if a.unknown in free], max_iterations=12, relative=1e-5,
-    )  # fmt: skip
+        of_windows(whole.problem, outside),
+        values,
+        free,
+        whole.states[outside],
+        bounds=bounds,
+        priors=[a for a in whole.priors if a.unknown in free],
+        max_iterations=12,
+        relative=1e-5,
+    )
     return found.values if np.isfinite(found.cost) else values
 
 
@@ -175,22 +187,29 @@ def _states_fitted(
         first = {r: int(w.first[w.recording == r].min()) for r in set(w.recording)}
         last = {r: int((w.first + w.count)[w.recording == r].max()) for r in set(w.recording)}
         keep = [
-            i for i, r in enumerate(long.recording)
+            i
+            for i, r in enumerate(long.recording)
             if r in first and long.first[i] < last[r] and long.first[i] + long.count[i] > first[r]
-        ]  # fmt: skip
+        ]
         begin = np.array([max(long.first[i], first[long.recording[i]]) for i in keep])
         end = np.array([min(long.first[i] + long.count[i], last[long.recording[i]]) for i in keep])
         enough = end - begin >= 8
         clipped = dataclasses.replace(
             long,
-            recording=long.recording[keep][enough], first=begin[enough],
+            recording=long.recording[keep][enough],
+            first=begin[enough],
             count=(end - begin)[enough],
-        )  # fmt: skip
+        )
         problem = dataclasses.replace(
             problem, windows=clipped, capacity=room(clipped, problem.capacity)
         )
-        states = handed_on(whole, problem)
+        states = warm_start_states(whole, problem)
     return fit(
-        problem, values, free, states, anchors=[a for a in whole.anchors if a.unknown in free],
-        max_iterations=12, relative=1e-5,
-    )  # fmt: skip
+        problem,
+        values,
+        free,
+        states,
+        priors=[a for a in whole.priors if a.unknown in free],
+        max_iterations=12,
+        relative=1e-5,
+    )

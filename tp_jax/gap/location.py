@@ -4,7 +4,7 @@ import numpy as np
 
 from tp_jax.effects import CHANNELS
 from tp_jax.effects import get as get_effect
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.linearisation import Linearisation, spread
@@ -18,7 +18,7 @@ from tp_jax.results.diagnosis import Location
 EXPLAINED = 0.9  # of the removable gap: causes that take so much say where it lies themselves
 
 
-def locate(choice: Choice, setting: Setting, seed: int = 0) -> list[Location]:
+def locate(choice: Choice, setting: PreparedCampaign, seed: int = 0) -> list[Location]:
     """Shares by location, largest first; they sum to one.
 
     Causes that explain the gap, or leave no structure, say where it lies: each has what it took

@@ -152,8 +152,10 @@ def runs_to_compare(
     if limits.drives:
         low, high = limits.omega or (policy.slowest * natural, policy.fastest * natural)
         grid = np.linspace(low, high, policy.frequencies)
-        runs += [Run(omega=float(f"{w:.4g}")) if low < w < high else Run(omega=float(w))
-                 for w in dict.fromkeys(grid.tolist())]  # fmt: skip
+        runs += [
+            Run(omega=float(f"{w:.4g}")) if low < w < high else Run(omega=float(w))
+            for w in dict.fromkeys(grid.tolist())
+        ]
     if limits.releases:
         grid = np.linspace(policy.least_release, policy.largest_release, policy.releases)
         angles = {round(float(x), 3) for x in grid}
@@ -186,9 +188,13 @@ def _first_release(limits: Limits, policy: ExplorePolicy) -> float:
 
 
 def next_run(
-    finding: Finding, limits: Limits, made: Sequence[Run], most: int, duration: float,
+    finding: Finding,
+    limits: Limits,
+    made: Sequence[Run],
+    most: int,
+    duration: float,
     policy: ExplorePolicy = POLICY.explore,
-) -> Next | Stop:  # fmt: skip
+) -> Next | Stop:
     """The run to record next, or the reason why there is none.
 
     Args:
@@ -265,10 +271,12 @@ def _together(forecasts: Sequence[Forecast], runs: int) -> float:
     """Expected log evidence against any one rival of the best runs, so many of them [nat]."""
     rivals = {id for f in forecasts for id in f.log_evidence}
     return max(
-        (sum(sorted((f.log_evidence.get(id, 0.0) for f in forecasts), reverse=True)[:runs])
-         for id in rivals),
+        (
+            sum(sorted((f.log_evidence.get(id, 0.0) for f in forecasts), reverse=True)[:runs])
+            for id in rivals
+        ),
         default=0.0,
-    )  # fmt: skip
+    )
 
 
 def _tells(forecast: Forecast, policy: ExplorePolicy) -> bool:
@@ -295,9 +303,10 @@ def _farthest(
 
 def _nothing_allowed(finding: Finding, limits: Limits) -> str:
     smallest = min(
-        (f for f in finding.forecasts if f.largest is not None), default=None,
+        (f for f in finding.forecasts if f.largest is not None),
+        default=None,
         key=lambda f: f.largest or 0.0,
-    )  # fmt: skip
+    )
     if smallest is None or limits.angle is None:
         return "No further run can be predicted; see whether the recordings are right."
     return (
@@ -307,16 +316,20 @@ def _nothing_allowed(finding: Finding, limits: Limits) -> str:
 
 
 def _needed(
-    finding: Finding, best: Forecast, limits: Limits, duration: float,
+    finding: Finding,
+    best: Forecast,
+    limits: Limits,
+    duration: float,
     policy: ExplorePolicy,
-) -> str:  # fmt: skip
+) -> str:
     """Says that no allowed run tells the rivals apart, and what would."""
     names = " and ".join(["the model as it is" if r == NOTHING else r for r in finding.rivals])
     said = f"No run within the limits can tell {finding.first} from {names}"
     beyond = [
-        f for f in finding.forecasts
+        f
+        for f in finding.forecasts
         if f.largest is not None and _tells(f, policy) and _possible(f.run, limits)
-    ]  # fmt: skip
+    ]
     if beyond and limits.angle is not None:
         gentlest = min(beyond, key=lambda f: f.largest or 0.0)
         at_least = (gentlest.largest or 0.0) / policy.margin

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.effects import Law
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.acceptance import Doubts
 from tp_jax.gap.calibration import Floor
@@ -18,7 +18,7 @@ from tp_jax.results.diagnosis import LackOfFit, Location
 
 
 def notes(
-    setting: Setting,
+    setting: PreparedCampaign,
     choice: Choice,
     final: Refit,
     word: str,
@@ -139,7 +139,7 @@ def elsewhere(where: Sequence[Location], final: Refit) -> list[str]:
     ]
 
 
-def beyond_its_range(setting: Setting, final: Refit, held: Fit) -> list[str]:
+def beyond_its_range(setting: PreparedCampaign, final: Refit, held: Fit) -> list[str]:
     """Says how much of the held-out recordings no learned curve can tell of.
 
     Args:
@@ -165,7 +165,7 @@ def held_out_instead(before: str, now: str) -> str:
     )
 
 
-def _drive_noise(setting: Setting) -> float:
+def _drive_noise(setting: PreparedCampaign) -> float:
     """Noise of measured drives, of their amplitudes: the median; 0 without any."""
     drives = [
         (r.t, r.drive) for r in setting.recordings if r.measured_drive and r.drive is not None

@@ -25,7 +25,7 @@ import numpy as np
 from scipy.special import softmax
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.backward import Tested
 from tp_jax.gap.choice import Choice, Round
@@ -53,7 +53,7 @@ class Densities:
 
 
 def cause_probabilities(
-    choice: Choice, setting: Setting, policy: FoldPolicy = POLICY.folds
+    choice: Choice, setting: PreparedCampaign, policy: FoldPolicy = POLICY.folds
 ) -> dict[str, float]:
     """Posterior inclusion of each effect that was looked at.
 
@@ -81,7 +81,7 @@ def cause_probabilities(
     return out
 
 
-def _odds(t: Tested, setting: Setting, policy: FoldPolicy) -> float:
+def _odds(t: Tested, setting: PreparedCampaign, policy: FoldPolicy) -> float:
     """Computes the odds of the model that was not kept to the one that was.
 
     Even odds where the former fits better and predicts what was left out no better: fit and
@@ -160,13 +160,18 @@ def weights(found: Densities, policy: FoldPolicy = POLICY.folds) -> np.ndarray:
     # hypotheses that predict alike would not share alike.
     dispersion = count_of * np.maximum(dispersion, 1.0)
     quantiles = (np.arange(policy.quantiles) + 0.5) / policy.quantiles
-    power = tails.chi_square_quantile(
-        quantiles[:, None] * tails.chi_square_below(dispersion, count_of), count_of
-    ) / dispersion  # fmt: skip
+    power = (
+        tails.chi_square_quantile(
+            quantiles[:, None] * tails.chi_square_below(dispersion, count_of), count_of
+        )
+        / dispersion
+    )
     return softmax(power * (total - total[best]) + prior, axis=1).mean(axis=0)
 
 
-def _of_round(r: Round, setting: Setting, misfit: float, policy: FoldPolicy) -> dict[str, float]:
+def _of_round(
+    r: Round, setting: PreparedCampaign, misfit: float, policy: FoldPolicy
+) -> dict[str, float]:
     best = r.screen.best()
     if not best:
         return {}

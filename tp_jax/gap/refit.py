@@ -7,11 +7,11 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from tp_jax.effects import Effect
-from tp_jax.estimation.baseline import Setting, handed_on
-from tp_jax.estimation.fitted import Anchor, Fit, parameter
+from tp_jax.estimation.baseline import PreparedCampaign, warm_start_states
+from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.problem import Problem
-from tp_jax.estimation.sharpen import sharpened
+from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.directions import Variant, variants
 from tp_jax.gap.screen import WIDE, pseudo_inverse
@@ -51,8 +51,11 @@ class Refit:
 
 
 def nuisances(
-    effects: Sequence[Effect], setting: Setting, recordings: Sequence[int], zero1: float = 0.0
-) -> tuple[list[Unknown], list[Anchor]]:
+    effects: Sequence[Effect],
+    setting: PreparedCampaign,
+    recordings: Sequence[int],
+    zero1: float = 0.0,
+) -> tuple[list[Unknown], list[GaussianPrior]]:
     """Zeros of the angles, which matter only where an effect depends on an angle itself.
 
     That of phi2 is one per recording; that of phi1 is one per campaign, and where the motor stands
@@ -64,22 +67,22 @@ def nuisances(
     """
     index, specs = setting.layout.index, setting.layout.parameters
     unknowns: list[Unknown] = []
-    anchors: list[Anchor] = []
+    priors: list[GaussianPrior] = []
     known = Unknown("zero1") in setting.unknowns()
     if any(e.uses_phi1 for e in effects) or (effects and known):
         spec = specs[index["zero1"]]
         unknowns.append(Unknown("zero1"))
         centre, sd = float(spec.to_coordinate(zero1)), ZERO1_SD if known else ANY_ZERO1_SD
-        anchors.append(Anchor(unknowns[-1], centre, sd / spec.slope(zero1)))
+        priors.append(GaussianPrior(unknowns[-1], centre, sd / spec.slope(zero1)))
     if any(e.uses_phi2 for e in effects):
         mine = [Unknown("zero2", i) for i in recordings]
         unknowns += mine
-        anchors += [Anchor(u, 0.0, ZERO2_SD / specs[index["zero2"]].typical) for u in mine]
-    return unknowns, anchors
+        priors += [GaussianPrior(u, 0.0, ZERO2_SD / specs[index["zero2"]].typical) for u in mine]
+    return unknowns, priors
 
 
 def refit(
-    setting: Setting,
+    setting: PreparedCampaign,
     before: Fit,
     variants: Sequence[Variant],
     *,
@@ -105,46 +108,56 @@ def refit(
         values = known.values.replace({})
         values.table[smoothing] = before.values.table[smoothing]
     zero1 = _resting(before)
-    extra, anchors = nuisances([v.effect for v in variants], setting, setting.fitted, zero1)
+    extra, priors = nuisances([v.effect for v in variants], setting, setting.fitted, zero1)
     for v in variants:
         values = values.replace(v.settings)
         unknowns += [u for u in v.unknowns if u not in unknowns]
-    anchors += [Anchor(u, 0.0, WIDE) for v in variants for u in v.unknowns]
+    priors += [GaussianPrior(u, 0.0, WIDE) for v in variants for u in v.unknowns]
     unknowns += [u for u in extra if u not in unknowns]
     problem, states = before.problem, before.states
     if horizon is not None and horizon != problem.windows.horizon:
         problem = setting.problem(horizon)
-        states = handed_on(before, problem)
+        states = warm_start_states(before, problem)
     if known is not None:
-        states = handed_on(known, problem)
-    base = [a for a in setting.anchors() if a.unknown in unknowns]
-    base = [a for a in base if a.unknown not in {b.unknown for b in anchors}]
+        states = warm_start_states(known, problem)
+    base = [a for a in setting.priors() if a.unknown in unknowns]
+    base = [a for a in base if a.unknown not in {b.unknown for b in priors}]
     result = fit(
-        problem, values, unknowns, states, bounds=setting.bounds | _of_zero(problem, anchors),
-        anchors=[*base, *anchors],
-        max_iterations=max_iterations, tolerance=_coarse(before), relative=0.0,
-    )  # fmt: skip
-    log.info("%s: chi2/dof %.4g, %s", "+".join(v.effect.id for v in variants),
-             result.chi2_dof, result.message)  # fmt: skip
+        problem,
+        values,
+        unknowns,
+        states,
+        bounds=setting.bounds | _of_zero(problem, priors),
+        priors=[*base, *priors],
+        max_iterations=max_iterations,
+        tolerance=_coarse(before),
+        relative=0.0,
+    )
+    log.info(
+        "%s: chi2/dof %.4g, %s",
+        "+".join(v.effect.id for v in variants),
+        result.chi2_dof,
+        result.message,
+    )
     return Refit(result, tuple(variants))
 
 
-def _of_zero(problem: Problem, anchors: Sequence[Anchor]) -> dict[str, tuple[float, float]]:
+def _of_zero(problem: Problem, priors: Sequence[GaussianPrior]) -> dict[str, tuple[float, float]]:
     """Bounds of the zero of phi1 [rad], where it has a prior."""
     out = {}
-    for a in anchors:
+    for a in priors:
         spec = parameter(problem, a.unknown)
         if a.unknown == Unknown("zero1") and a.sd < 2.0 * ZERO1_SD / spec.slope(0.0):
-            ends = a.centre - ZERO1_MOST * a.sd, a.centre + ZERO1_MOST * a.sd
+            ends = a.mean - ZERO1_MOST * a.sd, a.mean + ZERO1_MOST * a.sd
             out["zero1"] = tuple(float(spec.from_coordinate(x)) for x in ends)
     return out
 
 
 def _resting(before: Fit) -> float:
     """The zero of phi1 of a fit [rad]; where it has a prior already, that prior's centre."""
-    for a in before.anchors:
+    for a in before.priors:
         if a.unknown == Unknown("zero1"):
-            return float(parameter(before.problem, a.unknown).from_coordinate(a.centre))
+            return float(parameter(before.problem, a.unknown).from_coordinate(a.mean))
     return before.values.get("zero1")
 
 
@@ -156,7 +169,9 @@ def _coarse(before: Fit) -> float:
     return max(COARSE, COARSE_PART * removable(before))
 
 
-def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15) -> Refit:
+def refit_shape_constants(
+    setting: PreparedCampaign, before: Fit, trial: Refit, max_iterations: int = 15
+) -> Refit:
     """The same effects, the last one's continuous shape constants fitted too.
 
     A point of the grid may be far enough from the truth to look like another effect.
@@ -169,13 +184,13 @@ def freed(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 15)
     return _with_its_shapes(trial, found)
 
 
-def with_shapes(setting: Setting, result: Refit) -> tuple[list[Unknown], dict]:
+def with_shapes(setting: PreparedCampaign, result: Refit) -> tuple[list[Unknown], dict]:
     """Unknowns and bounds with the continuous shape constants of all effects.
 
     Of those before the last too: they were found beside less.
     """
     unknowns = list(result.fit.unknowns)
-    bounds = setting.bounds | _of_zero(result.fit.problem, result.fit.anchors)
+    bounds = setting.bounds | _of_zero(result.fit.problem, result.fit.priors)
     for effect in (v.effect for v in result.variants):
         for s in (s for s in effect.shapes if s.continuous):
             name = effect.qualified(s.name)
@@ -192,7 +207,9 @@ def _at(variant: Variant, values: Values) -> Variant:
     return dataclasses.replace(variant, shapes=shapes)
 
 
-def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 20) -> Refit:
+def refit_from_short_windows(
+    setting: PreparedCampaign, before: Fit, trial: Refit, max_iterations: int = 20
+) -> Refit:
     """The same effects fitted anew from the shortest windows, which are then lengthened.
 
     A wrong model pushes its parameters into a corner, and over long windows there may be no way
@@ -224,22 +241,38 @@ def regrown(setting: Setting, before: Fit, trial: Refit, max_iterations: int = 2
     problem = setting.problem(horizons[0])
     for variant in variants(last.effect, setting):
         found = fit(
-            problem, start.replace(variant.settings), unknowns, bounds=bounds,
-            anchors=trial.fit.anchors, max_iterations=max_iterations // 2,
-            tolerance=10.0 * _coarse(before), relative=0.0,
-        )  # fmt: skip
+            problem,
+            start.replace(variant.settings),
+            unknowns,
+            bounds=bounds,
+            priors=trial.fit.priors,
+            max_iterations=max_iterations // 2,
+            tolerance=10.0 * _coarse(before),
+            relative=0.0,
+        )
         if best is None or found.cost < best.cost:
             best, chosen = found, variant
     assert best is not None
     for horizon in horizons:
         problem = setting.problem(horizon)
         best = fit(
-            problem, best.values, unknowns, handed_on(best, problem),
-            bounds=bounds, anchors=trial.fit.anchors, max_iterations=max_iterations,
-            tolerance=_coarse(before), relative=0.0,
-        )  # fmt: skip
-    log.info("%s regrown, %s: chi2/dof %.4g, %s",
-             "+".join(trial.ids), chosen.shapes, best.chi2_dof, best.message)  # fmt: skip
+            problem,
+            best.values,
+            unknowns,
+            warm_start_states(best, problem),
+            bounds=bounds,
+            priors=trial.fit.priors,
+            max_iterations=max_iterations,
+            tolerance=_coarse(before),
+            relative=0.0,
+        )
+    log.info(
+        "%s regrown, %s: chi2/dof %.4g, %s",
+        "+".join(trial.ids),
+        chosen.shapes,
+        best.chi2_dof,
+        best.message,
+    )
     better = np.isfinite(best.cost) and best.cost < trial.cost
     return Refit(best, (*others, chosen)) if better else trial
 
@@ -250,7 +283,7 @@ def _inside(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:
     return {u.name: 0.2 * parameter(problem, u).typical for u in stuck}
 
 
-def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
+def polish(setting: PreparedCampaign, result: Refit, max_iterations: int = 25) -> Refit:
     """Takes a refit to its optimum: shape constants freed, parameters moved off their bounds.
 
     Continuous shape constants of the last effect are freed from where the grid left them. A
@@ -267,11 +300,17 @@ def polish(setting: Setting, result: Refit, max_iterations: int = 25) -> Refit:
     if inside and removable(done) > BEYOND_CHANCE * np.sqrt(2.0 * done.dof):
         others = [u for u in unknowns if u.name not in inside]
         held = fit(
-            done.problem, done.values.replace(inside), others, done.states, bounds=bounds,
-            anchors=[a for a in done.anchors if a.unknown in others],
-            max_iterations=max_iterations, tolerance=VALLEY, relative=0.0,
-        )  # fmt: skip
-        whole = dataclasses.replace(held, anchors=done.anchors)
+            done.problem,
+            done.values.replace(inside),
+            others,
+            done.states,
+            bounds=bounds,
+            priors=[a for a in done.priors if a.unknown in others],
+            max_iterations=max_iterations,
+            tolerance=VALLEY,
+            relative=0.0,
+        )
+        whole = dataclasses.replace(held, priors=done.priors)
         there = _again(whole, held.values, unknowns, bounds, 0)
         if np.isfinite(there.cost) and _falls_inwards(there, inside):
             trial = _again(there, there.values, unknowns, bounds, max_iterations)
@@ -291,17 +330,24 @@ def _again(
     before: Fit, values: Values, unknowns, bounds, max_iterations: int, tolerance: float = POLISHED
 ) -> Fit:
     return fit(
-        before.problem, values, unknowns, before.states, bounds=bounds, anchors=before.anchors,
-        max_iterations=max_iterations, tolerance=tolerance, relative=1e-7,
-    )  # fmt: skip
+        before.problem,
+        values,
+        unknowns,
+        before.states,
+        bounds=bounds,
+        priors=before.priors,
+        max_iterations=max_iterations,
+        tolerance=tolerance,
+        relative=1e-7,
+    )
 
 
-def sharper(setting: Setting, result: Refit) -> Refit:
+def refit_with_sharp_friction(setting: PreparedCampaign, result: Refit) -> Refit:
     """The same model fitted with the sharpest friction (see `sharpen`)."""
     if not result.ids:
-        return Refit(sharpened(setting, result.fit), ())
+        return Refit(fit_with_sharp_friction(setting, result.fit), ())
     _, bounds = with_shapes(setting, result)
-    return _with_its_shapes(result, sharpened(setting, result.fit, bounds=bounds))
+    return _with_its_shapes(result, fit_with_sharp_friction(setting, result.fit, bounds=bounds))
 
 
 def _with_its_shapes(result: Refit, fit: Fit) -> Refit:
@@ -309,7 +355,7 @@ def _with_its_shapes(result: Refit, fit: Fit) -> Refit:
     return Refit(fit, tuple(_at(v, fit.values) for v in result.variants))
 
 
-def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
+def refit_longer_windows(setting: PreparedCampaign, result: Refit, factor: float = 3.0) -> Refit:
     """The same model fitted on windows `factor` times as long.
 
     What is still wrong with a model shows most over long times, and so does what its parameters
@@ -321,12 +367,18 @@ def lengthened(setting: Setting, result: Refit, factor: float = 3.0) -> Refit:
     if horizon < 1.2 * result.fit.problem.windows.horizon:
         return result
     problem = setting.problem(horizon).at(result.fit.problem.tolerances)
-    states = handed_on(result.fit, problem)
+    states = warm_start_states(result.fit, problem)
     _, bounds = with_shapes(setting, result)
     longer = fit(
-        problem, result.fit.values, result.fit.unknowns, states, bounds=bounds,
-        anchors=result.fit.anchors, max_iterations=25, relative=1e-6,
-    )  # fmt: skip
+        problem,
+        result.fit.values,
+        result.fit.unknowns,
+        states,
+        bounds=bounds,
+        priors=result.fit.priors,
+        max_iterations=25,
+        relative=1e-6,
+    )
     return _with_its_shapes(result, longer) if np.isfinite(longer.cost) else result
 
 

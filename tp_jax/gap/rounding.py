@@ -10,7 +10,7 @@ import dataclasses
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.estimation.problem import Problem
@@ -79,9 +79,13 @@ def _beneath(sigma: np.ndarray, step: np.ndarray) -> np.ndarray:
 
 
 def rounding(
-    fit: Fit, setting: Setting, jac: np.ndarray, gain: np.ndarray, follow: np.ndarray,
+    fit: Fit,
+    setting: PreparedCampaign,
+    jac: np.ndarray,
+    gain: np.ndarray,
+    follow: np.ndarray,
     block: np.ndarray,
-) -> Rounding | None:  # fmt: skip
+) -> Rounding | None:
     """Makes what draws the scores of a fit's readings; None where noise hides all their steps.
 
     Args:

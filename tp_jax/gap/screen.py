@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.effects import AnyLaw, Law, laws
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
@@ -114,7 +114,7 @@ class Screen:
 
 def screen(
     fit: Fit,
-    setting: Setting,
+    setting: PreparedCampaign,
     skip: Sequence[str] = (),
     states: bool = True,
     learned: bool = False,
@@ -163,7 +163,7 @@ def screen(
     H, g = elim.H.sum(axis=0), elim.g.sum(axis=0)
     for i in range(len(base), nb):
         H[i, i] += 1.0
-    for a in fit.anchors:
+    for a in fit.priors:
         if a.unknown in base:
             i = base.index(a.unknown)
             H[i, i] += (
@@ -201,10 +201,17 @@ def screen(
         estimate, drop, unbounded = predicted_drop(limits, known, s)
         scored.append(
             Scored(
-                variant, drop, unbounded, estimate, Ve, by_block[:, rows],
-                -gain[: len(base), rows] @ estimate, rows, limits,
+                variant,
+                drop,
+                unbounded,
+                estimate,
+                Ve,
+                by_block[:, rows],
+                -gain[: len(base), rows] @ estimate,
+                rows,
+                limits,
             )
-        )  # fmt: skip
+        )
     covariance = inverse / np.outer(scale[:nb], scale[:nb])
     rounded = rounding(fit, setting, jac, elim.state_gain, follow, block)
     return Screen(tuple(scored), V, joint, missing, total, covariance, rounded)

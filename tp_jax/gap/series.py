@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.held_out import HeldOut
 from tp_jax.results.diagnosis import HeldOutRun, Numbers, RecordingUsed, Series, Start
@@ -11,13 +11,20 @@ THINNED = 600  # points of a curve in the result
 
 
 def recordings(
-    setting: Setting, before: dict[int, np.ndarray], after: dict[int, np.ndarray]
+    setting: PreparedCampaign, before: dict[int, np.ndarray], after: dict[int, np.ndarray]
 ) -> tuple[RecordingUsed, ...]:
     """The recordings, and the estimated states at the start of those held out."""
     return tuple(
         RecordingUsed(
-            label=r.label, file=r.name, sha256=r.sha256, held_out=r.held_out, forced=r.forced,
-            omega=r.omega, begin=float(r.t[0]), duration=r.duration, samples=r.n,
+            label=r.label,
+            file=r.name,
+            sha256=r.sha256,
+            held_out=r.held_out,
+            forced=r.forced,
+            omega=r.omega,
+            begin=float(r.t[0]),
+            duration=r.duration,
+            samples=r.n,
             started=r.started,
             start=Start.read(
                 {
@@ -28,7 +35,7 @@ def recordings(
             ),
         )
         for i, r in enumerate(setting.recordings)
-    )  # fmt: skip
+    )
 
 
 def _thin(n: int) -> np.ndarray:
@@ -36,7 +43,9 @@ def _thin(n: int) -> np.ndarray:
 
 
 def curves(
-    setting: Setting, before: dict[int, np.ndarray] | None, after: dict[int, np.ndarray] | None
+    setting: PreparedCampaign,
+    before: dict[int, np.ndarray] | None,
+    after: dict[int, np.ndarray] | None,
 ) -> tuple[HeldOutRun, ...]:
     """Free runs of the held-out recordings beside what was measured [rad]."""
     begun = before or {}  # what is held out has free runs
@@ -47,7 +56,7 @@ def curves(
 
 
 def residuals(
-    setting: Setting, before: HeldOut, after: HeldOut | None, least: Floor
+    setting: PreparedCampaign, before: HeldOut, after: HeldOut | None, least: Floor
 ) -> tuple[HeldOutRun, ...]:
     """Windowed residuals of the held-out recordings in units of the floor.
 
@@ -73,9 +82,12 @@ def residuals(
 
 
 def _run(
-    setting: Setting, i: int, measured: np.ndarray | None, before: np.ndarray,
+    setting: PreparedCampaign,
+    i: int,
+    measured: np.ndarray | None,
+    before: np.ndarray,
     after: np.ndarray | None,
-) -> HeldOutRun:  # fmt: skip
+) -> HeldOutRun:
     """A recording's readings (n, 2), or residuals where nothing is measured, thinned."""
     p = setting.prepared[i]
     keep = _thin(p.t.size)

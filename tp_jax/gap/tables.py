@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from tp_jax.effects import Law, catalogue
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
 from tp_jax.gap import detectability
@@ -23,7 +23,7 @@ from tp_jax.recordings.noise import quantum
 from tp_jax.results.diagnosis import Candidate, Cause, ChannelNoise, NextExperiment, Shift, Size
 
 
-def noise(setting: Setting) -> dict[str, ChannelNoise]:
+def noise(setting: PreparedCampaign) -> dict[str, ChannelNoise]:
     """The noise of each channel as estimated, of the recordings at the most usual rate."""
     out = {}
     for c, (name, sd) in enumerate(setting.noise.items()):
@@ -42,10 +42,19 @@ def noise(setting: Setting) -> dict[str, ChannelNoise]:
 
 
 def causes(
-    setting: Setting, choice: Choice, final: Refit, begun: HeldOut, held: Mapping[str, HeldOut],
-    shrinks: Mapping[str, Shrink], total: Shrink, probabilities: Mapping[str, float],
-    horizon: float, seed: int, least: Floor, unnamed: Collection[str],
-) -> tuple[Cause, ...]:  # fmt: skip
+    setting: PreparedCampaign,
+    choice: Choice,
+    final: Refit,
+    begun: HeldOut,
+    held: Mapping[str, HeldOut],
+    shrinks: Mapping[str, Shrink],
+    total: Shrink,
+    probabilities: Mapping[str, float],
+    horizon: float,
+    seed: int,
+    least: Floor,
+    unnamed: Collection[str],
+) -> tuple[Cause, ...]:
     """The accepted causes, in order of contribution.
 
     Args:
@@ -100,7 +109,7 @@ def _unit(effect, name: str) -> str:
     return next(s.unit for s in effect.shapes if s.name == name)
 
 
-def _sizes(setting: Setting, final: Refit) -> dict[str, dict[str, Size]]:
+def _sizes(setting: PreparedCampaign, final: Refit) -> dict[str, dict[str, Size]]:
     """Amplitudes and shape constants of each cause; intervals of those that were fitted."""
     every = intervals(final.fit, setting)
     out = {}
@@ -159,13 +168,18 @@ def candidates(
     asked = {row.effect for row in rows}
     rows += [
         Candidate(
-            effect=effect.id, location=effect.location, channel=effect.channel, applicable=False,
-            predicted_shrink=None, realised_shrink=None, probability=None,
+            effect=effect.id,
+            location=effect.location,
+            channel=effect.channel,
+            applicable=False,
+            predicted_shrink=None,
+            realised_shrink=None,
+            probability=None,
             note=why_not(effect, setting),
         )
         for effect in catalogue().values()
         if effect.id not in asked
-    ]  # fmt: skip
+    ]
     return tuple(rows)
 
 
@@ -184,7 +198,7 @@ def detectable(choice: Choice) -> dict[str, Size]:
     return dict(sorted(out.items()))
 
 
-def absorbed(setting: Setting, baseline: Fit, after: Fit) -> dict[str, Shift]:
+def absorbed(setting: PreparedCampaign, baseline: Fit, after: Fit) -> dict[str, Shift]:
     errors = intervals(after, setting)
     out = {}
     for u in baseline.unknowns:
@@ -196,7 +210,9 @@ def absorbed(setting: Setting, baseline: Fit, after: Fit) -> dict[str, Shift]:
     return out
 
 
-def next_experiment(setting: Setting, choice: Choice, no_gap: bool) -> NextExperiment | None:
+def next_experiment(
+    setting: PreparedCampaign, choice: Choice, no_gap: bool
+) -> NextExperiment | None:
     """A run that separates the best effect from its nearest rival."""
     if no_gap:
         return None

@@ -7,7 +7,7 @@ import numpy as np
 
 from tp_jax.effects import Law, laws
 from tp_jax.effects.laws import HALF, MIDDLE
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.policy import POLICY
@@ -20,7 +20,7 @@ LEAST_RANGE = 1e-6
 """Least range in the argument's unit; over less there is no curve."""
 
 
-def visited(setting: Setting, fit: Fit) -> dict[str, np.ndarray]:
+def visited(setting: PreparedCampaign, fit: Fit) -> dict[str, np.ndarray]:
     """The argument of each law at all samples of a fit (N,), by the law's family.
 
     Args:
@@ -34,7 +34,11 @@ def visited(setting: Setting, fit: Fit) -> dict[str, np.ndarray]:
 
 
 def _arguments(
-    setting: Setting, fit: Fit, recording: np.ndarray, sample: np.ndarray, states: np.ndarray
+    setting: PreparedCampaign,
+    fit: Fit,
+    recording: np.ndarray,
+    sample: np.ndarray,
+    states: np.ndarray,
 ) -> dict[str, np.ndarray]:
     """The argument of each law (N,), of samples of recordings (N,) in states (N, 4)."""
     t = np.zeros(sample.size)
@@ -56,7 +60,7 @@ def _arguments(
     return out
 
 
-def inside_of_others(setting: Setting, final: Refit) -> int | None:
+def inside_of_others(setting: PreparedCampaign, final: Refit) -> int | None:
     """The recording to hold out instead, where a law is asked beyond what it was fitted on.
 
     A curve says nothing where nothing went, so a run that goes further than all others puts it to
@@ -90,7 +94,7 @@ def inside_of_others(setting: Setting, final: Refit) -> int | None:
 
 
 def _outside(
-    setting: Setting, fit: Fit, families: Sequence[str], one: int, others: Sequence[int]
+    setting: PreparedCampaign, fit: Fit, families: Sequence[str], one: int, others: Sequence[int]
 ) -> float:
     """Part of a recording's samples at which a law's argument lies beyond the others' range.
 
@@ -107,13 +111,13 @@ def _outside(
     return share
 
 
-def _of_recording(setting: Setting, fit: Fit, i: int) -> dict[str, np.ndarray]:
+def _of_recording(setting: PreparedCampaign, fit: Fit, i: int) -> dict[str, np.ndarray]:
     """The argument of each law at the samples of a smoothed recording."""
     smooth = setting.prepared[i].smooth
     return _arguments(setting, fit, np.full(len(smooth), i), np.arange(len(smooth)), smooth)
 
 
-def share_outside(setting: Setting, fit: Fit, variant: Variant) -> float:
+def share_outside(setting: PreparedCampaign, fit: Fit, variant: Variant) -> float:
     """Part of a fit's samples at which a law's argument lies beyond the range it was learned on.
 
     Args:
@@ -125,7 +129,7 @@ def share_outside(setting: Setting, fit: Fit, variant: Variant) -> float:
     return float((np.abs(x - shapes[MIDDLE]) > shapes[HALF]).mean())
 
 
-def with_supports(setting: Setting, fit: Fit) -> Setting:
+def with_supports(setting: PreparedCampaign, fit: Fit) -> PreparedCampaign:
     """The campaign with the range of every law that its fitted recordings can tell of."""
     ranges = {}
     for family, x in visited(setting, fit).items():

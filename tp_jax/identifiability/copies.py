@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.fitted import Anchor, parameter
+from tp_jax.estimation.fitted import GaussianPrior, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
@@ -70,7 +70,7 @@ def fit_copies(
     starts: Sequence[Start],
     *,
     bounds: Mapping[str, tuple[float, float]] | None = None,
-    anchors: Sequence[Anchor] = (),
+    priors: Sequence[GaussianPrior] = (),
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
 ) -> list[Fitted]:
@@ -81,14 +81,14 @@ def fit_copies(
         unknowns: all that is free in any copy.
         starts: one per copy.
         bounds: by name, instead of the parameters' own.
-        anchors: priors, the same for all.
+        priors: the same for all.
         tolerance: see `TOLERANCE`.
         max_iterations: linearisations at most.
     """
     out: list[Fitted] = []
     for i in range(0, len(starts), AT_ONCE):
         group = starts[i : i + AT_ONCE]
-        out += _Group(problem, tuple(unknowns), bounds or {}, tuple(anchors)).fit(
+        out += _Group(problem, tuple(unknowns), bounds or {}, tuple(priors)).fit(
             group, tolerance, max_iterations
         )
     return out
@@ -97,8 +97,8 @@ def fit_copies(
 class _Group:
     """A few copies that are linearised together."""
 
-    def __init__(self, problem, unknowns, bounds, anchors):
-        self.problem, self.unknowns, self.anchors = problem, unknowns, anchors
+    def __init__(self, problem, unknowns, bounds, priors):
+        self.problem, self.unknowns, self.priors = problem, unknowns, priors
         self.specs = [parameter(problem, u) for u in unknowns]
         limits = [bounds.get(s.name, (s.lower, s.upper)) for s in self.specs]
         self.limits = np.array(limits, float).reshape(-1, 2)
@@ -144,21 +144,27 @@ class _Group:
             s = slice(k * w.n, (k + 1) * w.n)
             parts.append(
                 Linearisation(
-                    lin.r[s], lin.states_jac[s], lin.slots_jac[s], lin.valid[s], lin.states[s],
-                    lin.complete[s], lin.slots, w.recording,
+                    lin.r[s],
+                    lin.states_jac[s],
+                    lin.slots_jac[s],
+                    lin.valid[s],
+                    lin.states[s],
+                    lin.complete[s],
+                    lin.slots,
+                    w.recording,
                 )
-            )  # fmt: skip
+            )
         return parts
 
     def _cost(self, values: Values, lin: Linearisation) -> float:
-        return lin.cost() + sum(_residual(a, values, self.problem) ** 2 for a in self.anchors)
+        return lin.cost() + sum(_residual(a, values, self.problem) ** 2 for a in self.priors)
 
     def _normal(self, c: _Copy, damping: float):
         """Gradient, information and window states, in estimation coordinates."""
         slope = np.array([s.slope(v) for s, v in zip(self.specs, c.x, strict=True)])
         elim = eliminate(c.lin.r, c.lin.states_jac, spread(c.lin, self.unknowns) * slope, damping)
         g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
-        for a in self.anchors:
+        for a in self.priors:
             i = self.unknowns.index(a.unknown)
             g[i] += _residual(a, c.values, self.problem) / a.sd
             H[i, i] += 1.0 / a.sd**2
@@ -237,7 +243,7 @@ def _coordinate(spec, value: float) -> float:
     return float(spec.to_coordinate(value))
 
 
-def _residual(a: Anchor, values: Values, problem: Problem) -> float:
+def _residual(a: GaussianPrior, values: Values, problem: Problem) -> float:
     spec = parameter(problem, a.unknown)
     u = spec.to_coordinate(values.get(a.unknown.name, a.unknown.recording))
-    return float((u - a.centre) / a.sd)
+    return float((u - a.mean) / a.sd)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.model import presets
 from tp_jax.model.parameters import DEFAULT_EPS
@@ -15,10 +15,20 @@ from tp_jax.model.pendulum import NEWTON_REACTION, AbstractTorsionPendulum
 
 #: The paper's unknowns (11), and what else of a pendulum is a number, by their places in it.
 PLACES = {
-    "B1": "B1", "B2": "B2", "k": "spring.k", "A": "drive.A", "c1": "bearing.c1",
-    "M1": "bearing.M1", "Tv": "contact.Tv", "Ts1": "contact.Ts1", "Ts2": "contact.Ts2",
-    "Tst": "contact.Tst", "T0": "contact.T0", "gain": "drive.gain", "reaction": "reaction",
-}  # fmt: skip
+    "B1": "B1",
+    "B2": "B2",
+    "k": "spring.k",
+    "A": "drive.A",
+    "c1": "bearing.c1",
+    "M1": "bearing.M1",
+    "Tv": "contact.Tv",
+    "Ts1": "contact.Ts1",
+    "Ts2": "contact.Ts2",
+    "Tst": "contact.Tst",
+    "T0": "contact.T0",
+    "gain": "drive.gain",
+    "reaction": "reaction",
+}
 
 UNKNOWNS = ("B1", "B2", "k", "A", "c1", "M1", "Tv", "Ts1", "Ts2", "Tst", "T0")
 """The eleven unknowns of (11), in the order of Listing 1 where they stand there."""
@@ -92,7 +102,7 @@ def sine_design(
     )
 
 
-def designs_of(setting: Setting, fit: Fit) -> tuple[Design, ...]:
+def designs_of(setting: PreparedCampaign, fit: Fit) -> tuple[Design, ...]:
     """The fitted recordings of a campaign as experiments, from their estimated first states."""
     labels = [r.label for r in setting.recordings]
     record = fit_record(fit.values, (), labels)
@@ -116,14 +126,14 @@ def designs_of(setting: Setting, fit: Fit) -> tuple[Design, ...]:
     return tuple(designs)
 
 
-def _unknowns(setting: Setting, recording: int) -> tuple[str, ...]:
+def _unknowns(setting: PreparedCampaign, recording: int) -> tuple[str, ...]:
     names = [n for n in UNKNOWNS if setting.rider or n not in OF_THE_RIDER]
     if setting.recordings[recording].measured_drive:
         names = ["gain" if n == "A" else n for n in names]
     return tuple(names)
 
 
-def _builder(record: Mapping, setting: Setting, recording: int) -> Callable:
+def _builder(record: Mapping, setting: PreparedCampaign, recording: int) -> Callable:
     r = setting.recordings[recording]
     sine = r.forced and not r.measured_drive
 

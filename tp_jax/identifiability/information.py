@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from tp_jax.estimation.baseline import Setting
+from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.identifiability.null_directions import Direction
 from tp_jax.model.parameters import NUISANCES
@@ -43,7 +43,7 @@ class Information(NamedTuple):
     directions: tuple[Direction, ...]
 
 
-def information(fit: Fit, setting: Setting) -> Information:
+def information(fit: Fit, setting: PreparedCampaign) -> Information:
     """Information of a fit; what its campaign states beforehand counts, a mere guard does not.
 
     Args:
@@ -53,9 +53,9 @@ def information(fit: Fit, setting: Setting) -> Information:
     names = tuple(u.name for u in fit.unknowns)
     scale = np.array([_scale(fit, i) for i in range(len(names))])
     H = fit.eliminated.H.sum(axis=0) / max(fit.chi2_dof, 1.0)
-    for a in fit.anchors:
+    for a in fit.priors:
         # The prior on T0 only keeps steps finite: what it alone decides is not known.
-        if a.unknown.name in setting.priors:
+        if a.unknown.name in setting.prior_values:
             i = fit.unknowns.index(a.unknown)
             slope = parameter(fit.problem, a.unknown).slope(fit.values.get(a.unknown.name))
             H[i, i] += 1.0 / (a.sd * slope) ** 2

@@ -54,9 +54,12 @@ def log_derivatives(
     """
     own = [n for n in names if n in design.unknowns or n == "reaction"]
     found = sensitivities(
-        design.build(values), design.ts, design.y0, by=[PLACES[n] for n in own],
+        design.build(values),
+        design.ts,
+        design.y0,
+        by=[PLACES[n] for n in own],
         tolerance=TOLERANCE,
-    )  # fmt: skip
+    )
     steps = np.array([(scale or {}).get(n, values.get(n, 1.0)) for n in own])
     where = [list(names).index(n) for n in own]
     state = len(design.y0)

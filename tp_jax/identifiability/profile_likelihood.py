@@ -21,8 +21,8 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.baseline import Setting
-from tp_jax.estimation.fitted import Anchor, Fit, parameter
+from tp_jax.estimation.baseline import PreparedCampaign
+from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.sharpen import FINELY
@@ -108,7 +108,7 @@ class _End:
 
 def profiles(
     fit: Fit,
-    setting: Setting,
+    setting: PreparedCampaign,
     names: Sequence[str],
     *,
     progress: Progress | None = None,
@@ -131,9 +131,9 @@ def profiles(
             raise ValueError(f"Argument `names` has {n!r}, which is none of the fit's unknowns.")
         places.append(unknowns.index(Unknown(n)))
     # What only keeps steps finite is no knowledge; what the campaign states is.
-    anchors = [a for a in fit.anchors if a.unknown.name in setting.priors]
+    priors = [a for a in fit.priors if a.unknown.name in setting.prior_values]
     levels, inflation = levels_of(fit, setting)
-    search = _Search(fit, setting, anchors)
+    search = _Search(fit, setting, priors)
     better = search.run(places, levels, progress)
     if better is not None:  # a fit along a profile was better than the best: from there again
         search.start_from(better)
@@ -145,14 +145,20 @@ def profiles(
         values, drops = (np.array(column) for column in zip(*rows, strict=True))
         out.append(
             Profile(
-                name, search.specs[i].unit, _x(best, unknowns, i), (ends[-1], ends[1]), values,
-                drops, float(levels[i]), float(inflation[i]),
+                name,
+                search.specs[i].unit,
+                _x(best, unknowns, i),
+                (ends[-1], ends[1]),
+                values,
+                drops,
+                float(levels[i]),
+                float(inflation[i]),
             )
-        )  # fmt: skip
+        )
     return tuple(out)
 
 
-def levels_of(fit: Fit, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
+def levels_of(fit: Fit, setting: PreparedCampaign) -> tuple[np.ndarray, np.ndarray]:
     """Critical drop of each unknown, and the inflation in it, (u,) each."""
     robust, dof = covariance(fit, setting)
     free = ~fit.at_bound
@@ -172,10 +178,10 @@ def _x(found: Fitted, unknowns: Sequence[Unknown], i: int) -> float:
 class _Search:
     """Search that all ends share: the problem, the best fit, how a profile's fits are begun."""
 
-    def __init__(self, fit: Fit, setting: Setting, anchors: Sequence[Anchor]):
+    def __init__(self, fit: Fit, setting: PreparedCampaign, priors: Sequence[GaussianPrior]):
         # an error of the integration that no search would mind is a good part of a drop
         self.problem = fit.problem.at(FINELY)
-        self.unknowns, self.anchors = fit.unknowns, anchors
+        self.unknowns, self.priors = fit.unknowns, priors
         self.bounds = setting.bounds
         self.specs: list[Parameter] = [parameter(fit.problem, u) for u in fit.unknowns]
         self.start_from(fit)
@@ -217,7 +223,7 @@ class _Search:
 
     def _fit(self, starts: Sequence[Start]) -> list[Fitted]:
         return fit_copies(
-            self.problem, self.unknowns, starts, bounds=self.bounds, anchors=self.anchors
+            self.problem, self.unknowns, starts, bounds=self.bounds, priors=self.priors
         )
 
     def coordinate(self, found: Fitted, i: int) -> float:
@@ -276,10 +282,15 @@ class _Search:
         for start in starts:
             unknowns = [u for u, f in zip(self.unknowns, start.free, strict=True) if f]
             found = variable_projection.fit(
-                self.problem, start.values, unknowns, start.states, bounds=dict(self.bounds),
-                anchors=[a for a in self.anchors if a.unknown in unknowns],
-                tolerance=TOLERANCE, relative=0.0,
-            )  # fmt: skip
+                self.problem,
+                start.values,
+                unknowns,
+                start.states,
+                bounds=dict(self.bounds),
+                priors=[a for a in self.priors if a.unknown in unknowns],
+                tolerance=TOLERANCE,
+                relative=0.0,
+            )
             ended.append(Start(found.values, found.states, start.free))
         return self._fit(ended) if ended else []
 

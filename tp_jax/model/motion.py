@@ -29,11 +29,39 @@ class Motion:
     """
 
     __slots__ = (
-        "A", "B1", "B2", "M1", "Ts1", "a1", "a2", "bearing", "bearing_dry", "bearing_viscous",
-        "contact", "contact_dry", "contact_viscous", "curve", "d", "f", "f_rate", "hook", "k",
-        "later", "phi1", "phi2", "s", "sign1", "sign2", "spring", "t", "theta", "v1", "v2",
-        "wound", "z",
-    )  # fmt: skip
+        "A",
+        "B1",
+        "B2",
+        "M1",
+        "Ts1",
+        "a1",
+        "a2",
+        "bearing",
+        "bearing_dry",
+        "bearing_viscous",
+        "contact",
+        "contact_dry",
+        "contact_viscous",
+        "curve",
+        "d",
+        "f",
+        "f_rate",
+        "hook",
+        "k",
+        "later",
+        "phi1",
+        "phi2",
+        "s",
+        "sign1",
+        "sign2",
+        "spring",
+        "t",
+        "theta",
+        "v1",
+        "v2",
+        "wound",
+        "z",
+    )
 
     def __init__(self, **values: Any):
         for name, value in values.items():

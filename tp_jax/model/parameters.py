@@ -86,7 +86,13 @@ BASE = (
     ),
     Parameter("B2", "kg m^2", 1e-5, 1e-1, "log", True, description="inertia of the rider"),
     Parameter(
-        "k", "N m/rad", 1e-5, 1e2, "asinh", True, typical=0.1,
+        "k",
+        "N m/rad",
+        1e-5,
+        1e2,
+        "asinh",
+        True,
+        typical=0.1,
         description="stiffness of the torsion spring",
     ),
     Parameter("A", "rad", 1e-3, 3.0, "log", description="amplitude of the drive"),
@@ -103,15 +109,24 @@ BASE = (
         "Ts1", lower=0.0, upper=1.0, typical=1e-2, **_TORQUE, description="dry contact friction"
     ),
     Parameter(
-        "Ts2", lower=0.0, upper=1.0, typical=1e-2, free=False, **_TORQUE,
+        "Ts2",
+        lower=0.0,
+        upper=1.0,
+        typical=1e-2,
+        free=False,
+        **_TORQUE,
         description="contact friction at rest; without effect on any motion",
     ),
     Parameter(
-        "Tst", lower=0.0, upper=1.0, typical=1e-2, **_TORQUE,
+        "Tst",
+        lower=0.0,
+        upper=1.0,
+        typical=1e-2,
+        **_TORQUE,
         description="contact friction that rises with speed",
     ),
     Parameter("T0", "s/rad", 0.05, 1e3, "log", description="rate at which Tst rises"),
-)  # fmt: skip
+)
 
 #: Settings, never estimated.
 SETTINGS = (

@@ -21,18 +21,54 @@ from tp_jax.model.spring import LinearSpring
 
 _PRESETS: dict[str, dict[str, float]] = {
     "paper-5.1": dict(
-        B1=20.0, B2=1.0, k=100.0, A=math.pi / 6, omega=0.5, c1=10.0, M1=3.0, Tv=1.0, Ts1=2.0,
-        Ts2=2.0, Tst=0.5, T0=10.0, eps=PAPER_EPS, reaction=PRINTED_REACTION,
+        B1=20.0,
+        B2=1.0,
+        k=100.0,
+        A=math.pi / 6,
+        omega=0.5,
+        c1=10.0,
+        M1=3.0,
+        Tv=1.0,
+        Ts1=2.0,
+        Ts2=2.0,
+        Tst=0.5,
+        T0=10.0,
+        eps=PAPER_EPS,
+        reaction=PRINTED_REACTION,
     ),
     "paper-5.1-start": dict(
-        B1=22.0, B2=11.0, k=10.0, A=math.pi / 4, omega=0.5, c1=5.0, M1=2.0, Tv=0.1, Ts1=3.0,
-        Ts2=1.0, Tst=0.2, T0=1000.0, eps=PAPER_EPS, reaction=PRINTED_REACTION,
+        B1=22.0,
+        B2=11.0,
+        k=10.0,
+        A=math.pi / 4,
+        omega=0.5,
+        c1=5.0,
+        M1=2.0,
+        Tv=0.1,
+        Ts1=3.0,
+        Ts2=1.0,
+        Tst=0.2,
+        T0=1000.0,
+        eps=PAPER_EPS,
+        reaction=PRINTED_REACTION,
     ),
     "bench": dict(
-        B1=1.2e-3, B2=5.0e-4, k=0.45, A=0.18, omega=13.09, c1=2.2e-3, M1=5.0e-3, Tv=2.5e-4,
-        Ts1=1.25e-2, Ts2=0.0, Tst=2.5e-3, T0=4.0, eps=DEFAULT_EPS, reaction=NEWTON_REACTION,
+        B1=1.2e-3,
+        B2=5.0e-4,
+        k=0.45,
+        A=0.18,
+        omega=13.09,
+        c1=2.2e-3,
+        M1=5.0e-3,
+        Tv=2.5e-4,
+        Ts1=1.25e-2,
+        Ts2=0.0,
+        Tst=2.5e-3,
+        T0=4.0,
+        eps=DEFAULT_EPS,
+        reaction=NEWTON_REACTION,
     ),
-}  # fmt: skip
+}
 
 
 def names() -> tuple[str, ...]:
@@ -59,10 +95,23 @@ def get(name: str) -> DoubleTorsionPendulum:
 
 def double_pendulum(
     *,
-    B1: float, B2: float, k: float, A: float, omega: float, c1: float, M1: float, Tv: float,
-    Ts1: float, Tst: float, T0: float, Ts2: float = 0.0, eps: float = DEFAULT_EPS,
-    phase: float = 0.0, reaction: float = NEWTON_REACTION, terms: tuple = (),
-) -> DoubleTorsionPendulum:  # fmt: skip
+    B1: float,
+    B2: float,
+    k: float,
+    A: float,
+    omega: float,
+    c1: float,
+    M1: float,
+    Tv: float,
+    Ts1: float,
+    Tst: float,
+    T0: float,
+    Ts2: float = 0.0,
+    eps: float = DEFAULT_EPS,
+    phase: float = 0.0,
+    reaction: float = NEWTON_REACTION,
+    terms: tuple = (),
+) -> DoubleTorsionPendulum:
     """A sine-driven double torsion pendulum from plain numbers in SI units."""
     return DoubleTorsionPendulum(
         drive=SineDrive(A=A, omega=omega, offset=phase),
@@ -78,9 +127,16 @@ def double_pendulum(
 
 def single_pendulum(
     *,
-    B1: float, k: float, A: float, omega: float, c1: float, M1: float,
-    eps: float = DEFAULT_EPS, phase: float = 0.0, terms: tuple = (),
-) -> SingleTorsionPendulum:  # fmt: skip
+    B1: float,
+    k: float,
+    A: float,
+    omega: float,
+    c1: float,
+    M1: float,
+    eps: float = DEFAULT_EPS,
+    phase: float = 0.0,
+    terms: tuple = (),
+) -> SingleTorsionPendulum:
     """A sine-driven column without a rider, from plain numbers in SI units.
 
     Example:

@@ -70,18 +70,34 @@ def recording_fields(
         values["t"] = t
         notes = (f"{name}: times are rounded to {quantum:.3g} s, and were made even",)
     columns = Columns(
-        file, values, range(values["t"].size), None, digest,
+        file,
+        values,
+        range(values["t"].size),
+        None,
+        digest,
         dated=np.asarray(given["t"]).dtype.kind == "M",
-    )  # fmt: skip
+    )
     check_times(columns)
     check_span(columns, Entry(name, file, forced), 0, values["t"].size, file)
     check_values(columns, 0, values["t"].size)
     return {
-        "name": name, "label": name, "file": file, "t": values["t"], "phi1": values["phi1"],
-        "phi2": values.get("phi2"), "drive": values.get("drive"), "forced": forced,
-        "omega": omega if forced else None, "sha256": digest,
-        "span": None, "start": None, "repeat": None, "held_out": False, "notes": notes, **more,
-    }  # fmt: skip
+        "name": name,
+        "label": name,
+        "file": file,
+        "t": values["t"],
+        "phi1": values["phi1"],
+        "phi2": values.get("phi2"),
+        "drive": values.get("drive"),
+        "forced": forced,
+        "omega": omega if forced else None,
+        "sha256": digest,
+        "span": None,
+        "start": None,
+        "repeat": None,
+        "held_out": False,
+        "notes": notes,
+        **more,
+    }
 
 
 def campaign_fields(
@@ -117,9 +133,15 @@ def campaign_fields(
             "B2 or k is given, but B1 is not; give it, or 1 if they are per unit of it."
         )
     return {
-        "name": name, "model": model, "B1": B1, "B2": _known(B2), "k": _known(k),
-        "sample_rate": None, "recordings": tuple(recordings), "folder": Path(),
-    }  # fmt: skip
+        "name": name,
+        "model": model,
+        "B1": B1,
+        "B2": _known(B2),
+        "k": _known(k),
+        "sample_rate": None,
+        "recordings": tuple(recordings),
+        "folder": Path(),
+    }
 
 
 def arrays_of(frame: Any, columns: Mapping[str, str] | None) -> dict[str, np.ndarray]:

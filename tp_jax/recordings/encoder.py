@@ -9,9 +9,18 @@ from tp_jax.recordings.gaps import LONGEST_STEP
 from tp_jax.recordings.short import short_fields
 
 _USUAL_PERIODS = (
-    2.0 * math.pi, math.pi, 360.0, 180.0, 400.0, 1.0, 1000.0,
-    *(2.0**bits for bits in range(8, 25)), *(10.0**n for n in range(4, 7)), 3600.0, 36000.0,
-)  # fmt: skip
+    2.0 * math.pi,
+    math.pi,
+    360.0,
+    180.0,
+    400.0,
+    1.0,
+    1000.0,
+    *(2.0**bits for bits in range(8, 25)),
+    *(10.0**n for n in range(4, 7)),
+    3600.0,
+    36000.0,
+)
 """Periods after which sensors start anew: a turn in radians, degrees, gons or turns, or counts."""
 
 
@@ -76,8 +85,12 @@ def leaps(t: np.ndarray, angle: np.ndarray, policy: WrapPolicy | None = None) ->
     at = np.flatnonzero(far)
     # what the angle does meanwhile is what it does before and after
     near = np.where(far, np.nan, ways)
-    beside = np.nan_to_num(np.nanmean(np.stack([np.r_[np.nan, near[:-1]], np.r_[near[1:], np.nan],
-                                                np.zeros_like(near)]), axis=0))  # fmt: skip
+    beside = np.nan_to_num(
+        np.nanmean(
+            np.stack([np.r_[np.nan, near[:-1]], np.r_[near[1:], np.nan], np.zeros_like(near)]),
+            axis=0,
+        )
+    )
     periods = np.abs(ways[at] - 1.5 * beside[at])
     period = float(np.median(periods))
     named = min(_USUAL_PERIODS, key=lambda usual: abs(period / usual - 1.0))

@@ -130,9 +130,19 @@ def _known(rig: Section, key: str) -> Known | None:
 
 def _entry(section: Section) -> Entry:
     section.only(
-        "file", "omega", "frequency", "period", "unit", "forced", "drive", "span", "start",
-        "repeat", "held_out", "columns",
-    )  # fmt: skip
+        "file",
+        "omega",
+        "frequency",
+        "period",
+        "unit",
+        "forced",
+        "drive",
+        "span",
+        "start",
+        "repeat",
+        "held_out",
+        "columns",
+    )
     name = section.text("file")
     if name is None:
         section.fault("the [[recording]] names no file", 'add file = "run-13.csv"')

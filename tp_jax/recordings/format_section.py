@@ -113,9 +113,15 @@ def _column(columns: Section, name: str, whole: bool = True) -> ColumnSource:
             f"summer_time of {name} is given, but {name} is no time", "remove it", "summer_time"
         )
     return ColumnSource(
-        column, 1.0 if scale is None else scale, offset or 0.0, unit, counts,
-        _wrap(section, name), section.text("minus"), summer_time,
-    )  # fmt: skip
+        column,
+        1.0 if scale is None else scale,
+        offset or 0.0,
+        unit,
+        counts,
+        _wrap(section, name),
+        section.text("minus"),
+        summer_time,
+    )
 
 
 def _unit(columns: Section, section: Section, name: str) -> str | None:

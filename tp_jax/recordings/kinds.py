@@ -33,8 +33,10 @@ KINDS: tuple[tuple[bytes, Kind], ...] = (
     (b"\x93NUMPY", Kind("a NumPy array", "numpy_arrays")),
     (b"\xd0\xcf\x11\xe0", Kind("an old Excel workbook (.xls)", mend="save it as .xlsx or CSV")),
     (b"#ROSBAG", Kind("a ROS 1 bag", mend="convert it to MCAP or CSV")),
-    (b"SQLite format 3\0", Kind("an SQLite data base, perhaps a ROS 2 bag",
-                                mend="convert it to MCAP or CSV")),
+    (
+        b"SQLite format 3\0",
+        Kind("an SQLite data base, perhaps a ROS 2 bag", mend="convert it to MCAP or CSV"),
+    ),
     (b"MDF     ", Kind("a measurement file of the MDF kind")),
     (b"RIFF", Kind("a sound file")),
     (b"\x1f\x8b", Kind("a gzip archive", mend=_ARCHIVE)),
@@ -43,7 +45,7 @@ KINDS: tuple[tuple[bytes, Kind], ...] = (
     (b"%PDF", Kind("a PDF")),
     (b"\x89PNG", Kind("a picture")),
     (b"\xff\xd8\xff", Kind("a picture")),
-)  # fmt: skip
+)
 
 EXCEL = Kind("an Excel workbook", "excel", "excel")
 ARRAYS = Kind("a NumPy archive", "numpy_arrays")

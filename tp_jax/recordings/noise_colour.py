@@ -146,8 +146,13 @@ def _binned(parts, step: float, lowest: float, policy: ColourPolicy):
             continue
         part = p[begin:end]
         # median of an exponential is ln 2 of its mean; a Hann window correlates neighbours
-        rows.append((np.exp(np.log(f[begin:end]).mean()), np.median(part) / np.log(2.0),
-                     (end - begin) / HANN))  # fmt: skip
+        rows.append(
+            (
+                np.exp(np.log(f[begin:end]).mean()),
+                np.median(part) / np.log(2.0),
+                (end - begin) / HANN,
+            )
+        )
         begin = end
     table = np.array(rows)
     if len(table) < 5 or not (table[:, 1] > 0.0).all():
@@ -206,9 +211,11 @@ def _fitted(f, level, weight, step: float, policy: ColourPolicy, with_colour: in
         return value, [2.0 * float(np.sum(weight * (s - level) / s**2 * d)) for d in found]
 
     best = None
-    starts = [(-3.0, 0.0)] if not with_colour else [
-        (-3.0, -1.0, -1.0, g) for g in (-1.0, 0.5, 2.0)
-    ] + [(-3.0, -6.0, 0.0, 0.0)]  # fmt: skip
+    starts = (
+        [(-3.0, 0.0)]
+        if not with_colour
+        else [(-3.0, -1.0, -1.0, g) for g in (-1.0, 0.5, 2.0)] + [(-3.0, -6.0, 0.0, 0.0)]
+    )
     bounds = [(-25.0, 25.0), (-12.0, 5.0), (-25.0, 5.0), (-4.0, 8.0)][: 2 + 2 * with_colour]
     for x0 in starts:
         found = optimize.minimize(cost, x0, jac=True, method="L-BFGS-B", bounds=bounds)

@@ -16,9 +16,13 @@ from tp_jax.recordings.recorded_run import RecordedRun
 from tp_jax.recordings.units import ANGLE
 
 NAMES: Mapping[str | None, str] = {
-    "rad": "radians", "deg": "degrees", "gon": "gons", "mrad": "milliradians", "turn": "turns",
+    "rad": "radians",
+    "deg": "degrees",
+    "gon": "gons",
+    "mrad": "milliradians",
+    "turn": "turns",
     None: "counts of an encoder",
-}  # fmt: skip
+}
 """Units in words."""
 
 UNITS = ("rad", "deg", "gon", "mrad", "turn")

@@ -80,9 +80,14 @@ class ColumnSource:
 
 
 _PLAIN = {
-    "scale": 1.0, "offset": 0.0, "unit": None, "counts": None, "wrap": None, "minus": None,
+    "scale": 1.0,
+    "offset": 0.0,
+    "unit": None,
+    "counts": None,
+    "wrap": None,
+    "minus": None,
     "summer_time": False,
-}  # fmt: skip
+}
 
 
 def toml_table(settings: Mapping[str, Any]) -> str:

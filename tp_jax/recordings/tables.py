@@ -137,9 +137,11 @@ def as_numbers(file: Path, name: str, cells: np.ndarray) -> np.ndarray:
     for i, value in enumerate(found):
         if value is None:
             raise CampaignError(
-                file, f'{name} is not a number but "{texts[i]}"', "write a number there, or "
-                "remove the row, a gap in time is understood", i + 1,
-            )  # fmt: skip
+                file,
+                f'{name} is not a number but "{texts[i]}"',
+                "write a number there, or remove the row, a gap in time is understood",
+                i + 1,
+            )
     return np.array(found, dtype=float)
 
 

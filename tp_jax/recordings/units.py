@@ -5,28 +5,63 @@ import re
 from collections.abc import Mapping
 
 TIME: Mapping[str, float] = {
-    "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0,
-}  # fmt: skip
+    "s": 1.0,
+    "ms": 1e-3,
+    "us": 1e-6,
+    "µs": 1e-6,
+    "μs": 1e-6,
+    "ns": 1e-9,
+    "min": 60.0,
+    "h": 3600.0,
+}
 """Unit of a time -> seconds."""
 
 ANGLE: Mapping[str, float] = {
-    "rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0,
-    "gon": math.pi / 200.0, "turn": 2.0 * math.pi, "rev": 2.0 * math.pi,
-}  # fmt: skip
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "deg": math.pi / 180.0,
+    "°": math.pi / 180.0,
+    "gon": math.pi / 200.0,
+    "turn": 2.0 * math.pi,
+    "rev": 2.0 * math.pi,
+}
 """Unit of an angle -> radians. Counts of an encoder have a key of their own, `counts`."""
 
 FREQUENCY: Mapping[str, float] = {
-    "rad/s": 1.0, "Hz": 2.0 * math.pi, "mHz": 2e-3 * math.pi, "rpm": math.pi / 30.0,
-    "1/min": math.pi / 30.0, "deg/s": math.pi / 180.0, "°/s": math.pi / 180.0,
-}  # fmt: skip
+    "rad/s": 1.0,
+    "Hz": 2.0 * math.pi,
+    "mHz": 2e-3 * math.pi,
+    "rpm": math.pi / 30.0,
+    "1/min": math.pi / 30.0,
+    "deg/s": math.pi / 180.0,
+    "°/s": math.pi / 180.0,
+}
 """Unit of the drive's frequency -> rad/s."""
 
 _OTHER_NAMES = {
-    "sec": "s", "seconds": "s", "second": "s", "sek": "s", "sekunden": "s", "secs": "s",
-    "msec": "ms", "millis": "ms", "milliseconds": "ms", "usec": "us", "micros": "us",
-    "radians": "rad", "radian": "rad", "degrees": "deg", "degree": "deg", "grad": "deg",
-    "turns": "turn", "revs": "rev", "hz": "Hz", "u/min": "rpm", "min^-1": "rpm", "minutes": "min",
-}  # fmt: skip
+    "sec": "s",
+    "seconds": "s",
+    "second": "s",
+    "sek": "s",
+    "sekunden": "s",
+    "secs": "s",
+    "msec": "ms",
+    "millis": "ms",
+    "milliseconds": "ms",
+    "usec": "us",
+    "micros": "us",
+    "radians": "rad",
+    "radian": "rad",
+    "degrees": "deg",
+    "degree": "deg",
+    "grad": "deg",
+    "turns": "turn",
+    "revs": "rev",
+    "hz": "Hz",
+    "u/min": "rpm",
+    "min^-1": "rpm",
+    "minutes": "min",
+}
 """Other names that files and people write for units. German "Grad" is a degree."""
 
 _IN_HEADER = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|/\s*(?P<c>\S+))$")

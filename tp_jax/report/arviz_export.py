@@ -86,10 +86,12 @@ def to_arviz(
             if name in groups[group]:
                 tree[group][name].attrs["units"] = str(p.get("unit", ""))
     tree["posterior"].attrs.update(
-        inference_library="tp_jax", inference_library_version=__version__,
+        inference_library="tp_jax",
+        inference_library_version=__version__,
         sampling="normal approximation from intervals and correlations, no sampler",
-        campaign=str(result.get("campaign", "")), model=str(result.get("model", "")),
-    )  # fmt: skip
+        campaign=str(result.get("campaign", "")),
+        model=str(result.get("model", "")),
+    )
     return tree
 
 

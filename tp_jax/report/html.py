@@ -34,9 +34,12 @@ class Part(NamedTuple):
 
 
 def write_report(
-    found: Found, path: str | os.PathLike[str], *, figures: bool = False,
+    found: Found,
+    path: str | os.PathLike[str],
+    *,
+    figures: bool = False,
     day: date | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Writes the report of a diagnosis as one HTML file, which holds its figures.
 
     A file that is there is replaced at once and whole.
@@ -132,8 +135,11 @@ def _contents(shown: Mapping[str, Any]) -> list[Part]:
     """The parts of the page that have something to show, in their order."""
     drawn = shown["drawn_figures"]
     parts = (
-        ("errors", "Before and after" if shown["causes"] else "On held-out data",
-         shown["gap"] or drawn.runs),
+        (
+            "errors",
+            "Before and after" if shown["causes"] else "On held-out data",
+            shown["gap"] or drawn.runs,
+        ),
         ("when", "When", drawn.windows),
         ("where", "Where", shown["places"]),
         ("effects", "Which effect", shown["causes"] or shown["candidates"][0]),
@@ -143,7 +149,7 @@ def _contents(shown: Mapping[str, Any]) -> list[Part]:
         ("next", "Next experiment", shown["next"]),
         ("notes", "Notes", shown["notes"]),
         ("data", "Data", shown["data"] or shown["provenance"]),
-    )  # fmt: skip
+    )
     return [Part(id, title) for id, title, there in parts if there]
 
 

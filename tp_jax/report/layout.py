@@ -71,10 +71,13 @@ def place(
     wide = width - left - right - 2.0 * edge - (columns - 1) * beside
     high = height - above - below - 2.0 * edge - (rows - 1) * between
     figure.subplots_adjust(
-        left=(left + edge) / width, right=1.0 - (right + edge) / width,
-        top=1.0 - (above + edge) / height, bottom=(below + edge) / height,
-        wspace=columns * beside / wide, hspace=rows * between / high,
-    )  # fmt: skip
+        left=(left + edge) / width,
+        right=1.0 - (right + edge) / width,
+        top=1.0 - (above + edge) / height,
+        bottom=(below + edge) / height,
+        wspace=columns * beside / wide,
+        hspace=rows * between / high,
+    )
 
 
 def width_of(texts: Sequence[str], size: float = FONT_SIZE, *, bold: bool = False) -> float:

@@ -40,8 +40,16 @@ class Pictures(NamedTuple):
 
     def every(self) -> list[Picture]:
         """One after the other, as in the page."""
-        found = (self.first, *self.runs, *self.windows, self.state_map, self.places, *self.laws,
-                 self.bars, self.moved)  # fmt: skip
+        found = (
+            self.first,
+            *self.runs,
+            *self.windows,
+            self.state_map,
+            self.places,
+            *self.laws,
+            self.bars,
+            self.moved,
+        )
         return [one for one in found if one is not None]
 
 
@@ -151,10 +159,11 @@ def _several(
 ) -> list[Picture]:
     """The first figures of a kind, numbered from one; those that have something to show."""
     found = [
-        picture(lambda width, i=i: draw(diagnosis, i, width), f"{name}-{i + 1}",
-                caption(diagnosis, i))
+        picture(
+            lambda width, i=i: draw(diagnosis, i, width), f"{name}-{i + 1}", caption(diagnosis, i)
+        )
         for i in range(many)
-    ]  # fmt: skip
+    ]
     return [drawn for drawn in found if drawn is not None]
 
 

@@ -131,9 +131,16 @@ def legend(figure: "Figure", *axes: "Axes") -> float:
         corner = SPACING.edge / width, 1.0 - SPACING.edge / height
         looks = dict(loc="upper left", bbox_to_anchor=corner, borderaxespad=0.0, borderpad=0.0)
     figure.legend(
-        list(found.values()), list(found), ncols=columns, frameon=False, fontsize=FONT_SIZE,
-        labelcolor=INK, handlelength=1.6, columnspacing=1.4, **looks,
-    )  # fmt: skip
+        list(found.values()),
+        list(found),
+        ncols=columns,
+        frameon=False,
+        fontsize=FONT_SIZE,
+        labelcolor=INK,
+        handlelength=1.6,
+        columnspacing=1.4,
+        **looks,
+    )
     return -(-len(found) // columns) * SPACING.line + SPACING.pad
 
 

@@ -25,9 +25,22 @@ _HEADINGS = {
 }
 
 _STARTS = (
-    "when", "where", "while", "at ", "in ", "above", "below", "around", "near", "after", "before",
-    "during", "throughout", "mainly", "mostly",
-)  # fmt: skip
+    "when",
+    "where",
+    "while",
+    "at ",
+    "in ",
+    "above",
+    "below",
+    "around",
+    "near",
+    "after",
+    "before",
+    "during",
+    "throughout",
+    "mainly",
+    "mostly",
+)
 
 _LEVEL = 0.05  # of the test of structure
 

@@ -70,9 +70,12 @@ def make_campaign(
     files = [f"run-{i + 1:02d}.csv" for i in range(runs)]
     for file, kind, own in zip(files, plan, values, strict=True):
         ideal = rig.run(
-            ts, omega=kind.get("omega"), release=kind.get("release"), duration=duration,
+            ts,
+            omega=kind.get("omega"),
+            release=kind.get("release"),
+            duration=duration,
             run_values=own,
-        )  # fmt: skip
+        )
         phi1, phi2 = measure(ideal, rng, noise=noise, bits=bits).T
         arm = None
         if measured and "omega" in kind:

@@ -18,8 +18,20 @@ class Instant:
     """
 
     __slots__ = (
-        "d", "f", "phi1", "phi2", "pull", "s", "side", "speed", "stuck", "t", "v1", "v2", "z",
-    )  # fmt: skip
+        "d",
+        "f",
+        "phi1",
+        "phi2",
+        "pull",
+        "s",
+        "side",
+        "speed",
+        "stuck",
+        "t",
+        "v1",
+        "v2",
+        "z",
+    )
 
     def __init__(self):
         self.t = self.phi1 = self.phi2 = self.v1 = self.v2 = self.f = self.d = 0.0
@@ -91,9 +103,17 @@ class Hooks:
     def on_motion(self) -> bool:
         """True if anything but drive, sensors and clock is changed, or steps are cut."""
         return bool(
-            self.column or self.bearing or self.load or self.contact or self.grip
-            or self.start or self.ground or self.events or self.limits or self.commits
-        )  # fmt: skip
+            self.column
+            or self.bearing
+            or self.load
+            or self.contact
+            or self.grip
+            or self.start
+            or self.ground
+            or self.events
+            or self.limits
+            or self.commits
+        )
 
     def state(self, initial: float) -> int:
         """Adds a state; its place among them."""

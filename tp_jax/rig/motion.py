@@ -110,9 +110,19 @@ class Motion:
 
     def _trial(self, h: float) -> End:
         return self._take(
-            h, self.t, self.phi1, self.phi2, self.v1, self.v2, self.z,
-            self._a1, self._a2, self._dz, self.side1, self.side2,
-        )  # fmt: skip
+            h,
+            self.t,
+            self.phi1,
+            self.phi2,
+            self.v1,
+            self.v2,
+            self.z,
+            self._a1,
+            self._a2,
+            self._dz,
+            self.side1,
+            self.side2,
+        )
 
     def _tolerable(self, h: float) -> tuple[End, float]:
         """A step of `h` or less that is accurate enough, and the length to try next."""
@@ -189,9 +199,19 @@ class Motion:
 
     def _start(self) -> End:
         return End(
-            0.0, self.phi1, self.phi2, self.v1, self.v2, self.z, self._a1, self._a2,
-            self._F1, self._D2, self._dz, 0.0,
-        )  # fmt: skip
+            0.0,
+            self.phi1,
+            self.phi2,
+            self.v1,
+            self.v2,
+            self.z,
+            self._a1,
+            self._a2,
+            self._F1,
+            self._D2,
+            self._dz,
+            0.0,
+        )
 
     def _dip(self, side: int, v: float, a: float, v_end: float, a_end: float, end: End) -> End:
         """The step to the lowest velocity of a body, where that lies within a step."""

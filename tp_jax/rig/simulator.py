@@ -227,9 +227,11 @@ class VirtualRig:
             raise InputError(f"The times must be in one row, but have the shape {times.shape}.")
         whole = float(times[-1]) if duration is None else duration
         self.start(
-            omega=omega, release=release, run_values=run_values,
+            omega=omega,
+            release=release,
+            run_values=run_values,
             duration=DURATION if whole <= 0.0 else whole,
-        )  # fmt: skip
+        )
         self.taken = [self.true_time(t) for t in times.tolist()]
         return np.array([self.advance(t) for t in self.taken])
 

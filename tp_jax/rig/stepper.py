@@ -41,8 +41,13 @@ A51, A52, A53, A54 = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
 A61, A62, A63, A64, A65 = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
 A71, A73, A74, A75, A76 = 35 / 384, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
 E1, E3, E4, E5, E6, E7 = (
-    71 / 57600, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40,
-)  # fmt: skip
+    71 / 57600,
+    -71 / 16695,
+    71 / 1920,
+    -17253 / 339200,
+    22 / 525,
+    -1 / 40,
+)
 C2, C3, C4, C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9
 
 
@@ -71,8 +76,14 @@ def stepper(rates: Rates, state_rates: Callable[[], list[float]]) -> Callable[..
         v3, w3 = v + h * (A31 * a + A32 * a2), w + h * (A31 * b + A32 * b2)
         a3, b3, _, _ = rates(
             t + C3 * h,
-            p + h * (A31 * v + A32 * v2), q + h * (A31 * w + A32 * w2), v3, w3, z3, side1, side2,
-        )  # fmt: skip
+            p + h * (A31 * v + A32 * v2),
+            q + h * (A31 * w + A32 * w2),
+            v3,
+            w3,
+            z3,
+            side1,
+            side2,
+        )
         if z:
             d3 = state_rates()
             z4 = [
@@ -83,9 +94,14 @@ def stepper(rates: Rates, state_rates: Callable[[], list[float]]) -> Callable[..
         w4 = w + h * (A41 * b + A42 * b2 + A43 * b3)
         a4, b4, _, _ = rates(
             t + C4 * h,
-            p + h * (A41 * v + A42 * v2 + A43 * v3), q + h * (A41 * w + A42 * w2 + A43 * w3),
-            v4, w4, z4, side1, side2,
-        )  # fmt: skip
+            p + h * (A41 * v + A42 * v2 + A43 * v3),
+            q + h * (A41 * w + A42 * w2 + A43 * w3),
+            v4,
+            w4,
+            z4,
+            side1,
+            side2,
+        )
         if z:
             d4 = state_rates()
             z5 = [
@@ -98,8 +114,12 @@ def stepper(rates: Rates, state_rates: Callable[[], list[float]]) -> Callable[..
             t + C5 * h,
             p + h * (A51 * v + A52 * v2 + A53 * v3 + A54 * v4),
             q + h * (A51 * w + A52 * w2 + A53 * w3 + A54 * w4),
-            v5, w5, z5, side1, side2,
-        )  # fmt: skip
+            v5,
+            w5,
+            z5,
+            side1,
+            side2,
+        )
         if z:
             d5 = state_rates()
             z6 = [
@@ -112,8 +132,12 @@ def stepper(rates: Rates, state_rates: Callable[[], list[float]]) -> Callable[..
             t + h,
             p + h * (A61 * v + A62 * v2 + A63 * v3 + A64 * v4 + A65 * v5),
             q + h * (A61 * w + A62 * w2 + A63 * w3 + A64 * w4 + A65 * w5),
-            v6, w6, z6, side1, side2,
-        )  # fmt: skip
+            v6,
+            w6,
+            z6,
+            side1,
+            side2,
+        )
         if z:
             d6 = state_rates()
             z7 = [

@@ -15,25 +15,35 @@ _FORECAST = table(
 
 _MADE = table(
     {
-        "file": NAME, "run": _RUN, "forecast": maybe(_FORECAST), "verdict": TEXT, "first": TEXT,
+        "file": NAME,
+        "run": _RUN,
+        "forecast": maybe(_FORECAST),
+        "verdict": TEXT,
+        "first": TEXT,
         "probability": NUMBER_OR_NULL,
     },
     ("file", "run", "forecast", "verdict", "first", "probability"),
-)  # fmt: skip
+)
 
 _CAUSE = {
-    "type": "array", "prefixItems": [NAME, NUMBER], "minItems": 2, "maxItems": 2,
+    "type": "array",
+    "prefixItems": [NAME, NUMBER],
+    "minItems": 2,
+    "maxItems": 2,
     "says": "an id and a probability",
-}  # fmt: skip
+}
 
 _FINDING = table(
     {
-        "verdict": NAME, "causes": entries(_CAUSE, "a list of causes"), "first": TEXT,
-        "probability": NUMBER, "rivals": each(NUMBER),
+        "verdict": NAME,
+        "causes": entries(_CAUSE, "a list of causes"),
+        "first": TEXT,
+        "probability": NUMBER,
+        "rivals": each(NUMBER),
         "forecasts": entries(_FORECAST, "a list of forecasts"),
     },
     ("verdict", "causes", "first", "probability", "rivals", "forecasts"),
-)  # fmt: skip
+)
 
 SCHEMA: dict[str, Any] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",

@@ -5,8 +5,10 @@ from typing import Any
 NUMBER = {"type": "number", "says": "a number"}
 NUMBER_OR_NULL = {"type": ["number", "null"], "says": "a number or null"}
 ABOVE_ZERO = {
-    "type": "number", "exclusiveMinimum": 0, "says": "a number above zero",
-}  # fmt: skip
+    "type": "number",
+    "exclusiveMinimum": 0,
+    "says": "a number above zero",
+}
 TEXT = {"type": ["string", "null"], "says": "a text or null"}
 NAME = {"type": "string", "says": "a text"}
 COUNT = {"type": "integer", "minimum": 0, "says": "a whole number, zero or more"}

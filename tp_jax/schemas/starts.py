@@ -23,10 +23,19 @@ OUTCOME = table(
         "converged": YES_OR_NO,
         "message": NAME,
     },
-    ("x", "information", "states", "cost", "chi2_dof", "objective", "evaluations", "converged",
-     "message"),
+    (
+        "x",
+        "information",
+        "states",
+        "cost",
+        "chi2_dof",
+        "objective",
+        "evaluations",
+        "converged",
+        "message",
+    ),
     additionalProperties=False,
-)  # fmt: skip
+)
 
 SCHEMA: dict[str, Any] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",

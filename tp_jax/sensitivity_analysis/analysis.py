@@ -10,10 +10,15 @@ import numpy as np
 from tp_jax._blas import one_blas_thread
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import Setting, grow, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import (
+    PreparedCampaign,
+    fit_over_schedule,
+    initial_values,
+    prepare_campaign,
+)
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
-from tp_jax.estimation.sharpen import sharpened
+from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.identifiability.design import UNKNOWNS, Design, designs_of
 from tp_jax.identifiability.information import information
 from tp_jax.identifiability.null_directions import Direction
@@ -98,8 +103,9 @@ def sensitivity(
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
     _check(fix or {}, campaign.B1, profile, spread, samples, trajectories, points)
     setting = prepare_campaign(campaign, model=model, fix=dict(fix or {}), effects=())
-    fit = sharpened(
-        setting, grow(setting, initial_values(setting), setting.unknowns(), progress=report)
+    fit = fit_with_sharp_friction(
+        setting,
+        fit_over_schedule(setting, initial_values(setting), setting.unknowns(), progress=report),
     )
     if not np.isfinite(fit.cost):
         raise InputError(f"{campaign.name} could not be fitted: {fit.message}")
@@ -110,9 +116,13 @@ def sensitivity(
     scale = {n: _size(n, values, setting) for n in names}
     given = _given(setting, fix or {})
     structure = rank(
-        designs, {**scale, "reaction": values["reaction"]}, names, points=points, seed=seed,
+        designs,
+        {**scale, "reaction": values["reaction"]},
+        names,
+        points=points,
+        seed=seed,
         progress=report,
-    )  # fmt: skip
+    )
     structural = [_removed(d, given) for d in structure.directions]
     known = information(fit, setting)
 
@@ -138,24 +148,34 @@ def sensitivity(
         "morris": record.morris_record(effects, over, trajectories),
         "profile": {p.name: p.to_dict() for p in found},
         "fit": {
-            "chi2_dof": fit.chi2_dof, "converged": fit.converged, "message": fit.message,
+            "chi2_dof": fit.chi2_dof,
+            "converged": fit.converged,
+            "message": fit.message,
             "noise_floor": dict(setting.noise),
         },
         "warnings": _warnings(fit, structural, through_time),
         "provenance": {
-            "version": __version__, "seed": seed, "data_sha256": campaign.data_sha256,
-            "eps": fit.values.get("eps2"), "horizon_s": fit.problem.windows.horizon,
+            "version": __version__,
+            "seed": seed,
+            "data_sha256": campaign.data_sha256,
+            "eps": fit.values.get("eps2"),
+            "horizon_s": fit.problem.windows.horizon,
             "spread": spread,
             "wall_s": round(time.perf_counter() - begin, 2),
         },
-    }  # fmt: skip
+    }
     return SensitivityAnalysis(result, fit, found)
 
 
 def _check(
-    fix: Mapping[str, float], B1: float | None, profile: Sequence[str], spread: float, samples: int,
-    trajectories: int, points: int,
-) -> None:  # fmt: skip
+    fix: Mapping[str, float],
+    B1: float | None,
+    profile: Sequence[str],
+    spread: float,
+    samples: int,
+    trajectories: int,
+    points: int,
+) -> None:
     check_values(fix, None, B1)
     if tuple(profile) != ("all",):
         check_names(profile)
@@ -175,7 +195,7 @@ def _check(
 
 
 def _profiles(
-    fit: Fit, setting: Setting, wanted: Sequence[str], report: Progress
+    fit: Fit, setting: PreparedCampaign, wanted: Sequence[str], report: Progress
 ) -> tuple[Profile, ...]:
     if not wanted:
         return ()
@@ -193,7 +213,7 @@ def _names(designs: Sequence[Design]) -> tuple[str, ...]:
     return tuple(n for n in (*UNKNOWNS, "gain") if n in there)
 
 
-def _size(name: str, values: Mapping[str, float], setting: Setting) -> float:
+def _size(name: str, values: Mapping[str, float], setting: PreparedCampaign) -> float:
     """The value, or what is typical where it is zero: there is no relative change of nothing."""
     typical = BY_NAME[name].scaled(setting.fixed["B1"]).typical
     if name == "Ts2":
@@ -202,7 +222,7 @@ def _size(name: str, values: Mapping[str, float], setting: Setting) -> float:
     return value if value > 1e-3 * typical or BY_NAME[name].transform == "log" else typical
 
 
-def _given(setting: Setting, fix: Mapping[str, float]) -> dict[str, str]:
+def _given(setting: PreparedCampaign, fix: Mapping[str, float]) -> dict[str, str]:
     """Says what is held, and why; B1 = 1 for want of a better number is not given."""
     given = {n: f"{n} is given" for n in setting.fixed}
     if setting.campaign.B1 is None and "B1" not in fix:
@@ -217,7 +237,7 @@ def _removed(direction: Direction, given: Mapping[str, str]) -> Direction:
 
 def _parameters(
     fit: Fit,
-    setting: Setting,
+    setting: PreparedCampaign,
     names: Sequence[str],
     structural: Sequence[Direction],
     given: Mapping[str, str],

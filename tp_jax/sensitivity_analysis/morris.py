@@ -73,15 +73,24 @@ def morris(
         rows = []
         for i in pick:
             found = analysis.analyze(
-                {**unit_cube(over), "groups": None}, unit, np.ascontiguousarray(y[:, i]),
-                num_levels=LEVELS, num_resamples=RESAMPLES, seed=seed,
-            )  # fmt: skip
+                {**unit_cube(over), "groups": None},
+                unit,
+                np.ascontiguousarray(y[:, i]),
+                num_levels=LEVELS,
+                num_resamples=RESAMPLES,
+                seed=seed,
+            )
             rows.append([np.asarray(found[k], float) for k in ("mu_star", "sigma", "mu_star_conf")])
         tables[channel] = np.array(rows)
     whole = {c: np.sqrt((t**2).mean(axis=0)) for c, t in tables.items()}
     return Morris(
-        design.label, tuple(r.name for r in over), design.ts[pick],
-        {c: t[:, 0] for c, t in tables.items()}, {c: t[:, 1] for c, t in tables.items()},
-        {c: w[0] for c, w in whole.items()}, {c: w[1] for c, w in whole.items()},
-        {c: w[2] for c, w in whole.items()}, len(unit),
-    )  # fmt: skip
+        design.label,
+        tuple(r.name for r in over),
+        design.ts[pick],
+        {c: t[:, 0] for c, t in tables.items()},
+        {c: t[:, 1] for c, t in tables.items()},
+        {c: w[0] for c, w in whole.items()},
+        {c: w[1] for c, w in whole.items()},
+        {c: w[2] for c, w in whole.items()},
+        len(unit),
+    )

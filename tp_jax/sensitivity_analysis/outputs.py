@@ -38,9 +38,12 @@ def motions(
     """
     own = {n: v for n, v in varied.items() if n in design.unknowns}
     found = sweep(
-        design.build({**values, **own}), design.ts, design.y0, tolerance=TOLERANCE,
+        design.build({**values, **own}),
+        design.ts,
+        design.y0,
+        tolerance=TOLERANCE,
         velocities=False,
-    )  # fmt: skip
+    )
     if not found.complete.all():
         lost = int((~found.complete).sum())
         raise RuntimeError(f"{lost} of {found.complete.size} runs did not reach their end.")

@@ -84,9 +84,18 @@ def sobol(
         {c: w[i] for c, w in whole.items()} for i in range(4)
     )
     return Sobol(
-        design.label, names, design.ts[pick], variance, first, total, first_whole, total_whole,
-        first_error, total_error, len(unit),
-    )  # fmt: skip
+        design.label,
+        names,
+        design.ts[pick],
+        variance,
+        first,
+        total,
+        first_whole,
+        total_whole,
+        first_error,
+        total_error,
+        len(unit),
+    )
 
 
 def unit_cube(over: Sequence[Range]) -> dict:
@@ -102,9 +111,12 @@ def _indices(over: Sequence[Range], y: np.ndarray, seed: int) -> np.ndarray:
     if y.std() < LEAST_SPREAD:
         return np.full((4, len(over)), np.nan)
     found = analysis.analyze(
-        unit_cube(over), np.ascontiguousarray(y), calc_second_order=False,
-        num_resamples=RESAMPLES, seed=seed + 1,  # SALib takes 0 for no seed
-    )  # fmt: skip
+        unit_cube(over),
+        np.ascontiguousarray(y),
+        calc_second_order=False,
+        num_resamples=RESAMPLES,
+        seed=seed + 1,  # SALib takes 0 for no seed
+    )
     return np.array([found[k] for k in ("S1", "S1_conf", "ST", "ST_conf")], float)
 
 

@@ -31,9 +31,19 @@ FITS = "fits.json"
 def diagnosing(campaign: Path, out: Path) -> list[str]:
     """`tp-jax diagnose` by this interpreter, which takes no module from the folder it is in."""
     return [
-        sys.executable, "-P", "-m", "tp_jax", "diagnose", str(campaign), "--out", str(out),
-        "--quiet", "--progress", "json", "--until-stdin-closes",
-    ]  # fmt: skip
+        sys.executable,
+        "-P",
+        "-m",
+        "tp_jax",
+        "diagnose",
+        str(campaign),
+        "--out",
+        str(out),
+        "--quiet",
+        "--progress",
+        "json",
+        "--until-stdin-closes",
+    ]
 
 
 @dataclass(frozen=True)
@@ -159,9 +169,11 @@ class Jobs:
                 said = f"its last words: {other}" if other else "it said nothing"
                 messages.append(f"The diagnosis ended with the code {code}; {said}.")
             self._status = self._with(
-                state=state, part=None, messages=tuple(messages),
+                state=state,
+                part=None,
+                messages=tuple(messages),
                 seconds=time.monotonic() - self._begun,
-            )  # fmt: skip
+            )
 
     def _with(self, **changes: Any) -> Status:
         return Status(**{**vars(self._status), **changes})

@@ -70,12 +70,17 @@ def bind(
         ) from fault
     port = listening.getsockname()[1]
     token = secrets.token_urlsafe(limits.token)
-    app = create_app(
-        folder, token, cookie=f"tp-jax-serve-{port}", child=child, limits=limits
-    )  # fmt: skip
+    app = create_app(folder, token, cookie=f"tp-jax-serve-{port}", child=child, limits=limits)
     config = uvicorn.Config(
-        app, http="h11", ws="none", loop="asyncio", lifespan="on", log_level="warning",
-        access_log=False, server_header=False, timeout_graceful_shutdown=3,
-    )  # fmt: skip
+        app,
+        http="h11",
+        ws="none",
+        loop="asyncio",
+        lifespan="on",
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=3,
+    )
     address = f"http://{HOST}:{port}/?token={token}"
     return Bound(address, port, listening, uvicorn.Server(config))

@@ -169,17 +169,27 @@ def integrate(
         q = arguments(k - 1)
         beginning = list(lanes.states[jnp.minimum(k, n - 1), :, lane].T)
         restart = Restart(fresh, at(lanes.ts, k), beginning, arguments(k))
-        h, new, ratio = attempt(
-            field, shape, t, state.h, room, y, f, q, slopes, control, restart
-        )  # fmt: skip
+        h, new, ratio = attempt(field, shape, t, state.h, room, y, f, q, slopes, control, restart)
         accept = going & (ratio <= 1.0)
         rate = clock_rate(field, t, y, q)
         inside = [(at(lanes.ts, k + r) - t) / h for r in range(per_step)]
         rows = between(inside, h, y, f, new.y, new.f, rate, True)
         s_end, f_end, _ = differentiate(
-            field, shape, bends, RODAS4, t, h, y, q, new.stages, state.s, state.fs, directions,
-            unit, restart,
-        )  # fmt: skip
+            field,
+            shape,
+            bends,
+            RODAS4,
+            t,
+            h,
+            y,
+            q,
+            new.stages,
+            state.s,
+            state.fs,
+            directions,
+            unit,
+            restart,
+        )
         tangents = between(inside, h, state.s, state.fs, s_end, f_end, rate, True)
         begun = initial(nc, unit)
         found = []
@@ -251,9 +261,15 @@ def integrate(
         zero = jnp.zeros(width)
         none = [0.0 * unit] * nc
         state = _State(
-            lanes.ts[0], jnp.zeros(width, int), zero + first, jnp.zeros(width, int), list(y0),
-            [zero] * nc, none, none,
-        )  # fmt: skip
+            lanes.ts[0],
+            jnp.zeros(width, int),
+            zero + first,
+            jnp.zeros(width, int),
+            list(y0),
+            [zero] * nc,
+            none,
+            none,
+        )
         y, s = jnp.zeros((width, n + 1, nc)), jnp.zeros((width, n + 1, 4, nd))
         carry = (0, state, y, s, jnp.zeros((width, n + 1), int))
         return jax.lax.while_loop(lambda c: jnp.any(c[1].k < lanes.count), outer, carry)

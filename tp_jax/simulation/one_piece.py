@@ -166,9 +166,11 @@ def marked() -> bool:
 
 
 def put_rows(
-    tables: Sequence[Array], lane: Int[Array, " L"], places: Int[Array, "... L"],
+    tables: Sequence[Array],
+    lane: Int[Array, " L"],
+    places: Int[Array, "... L"],
     rows: Sequence[Array],
-) -> tuple[Array, ...]:  # fmt: skip
+) -> tuple[Array, ...]:
     """Tables (N, n, ...) with rows (..., L, ...) written where they belong.
 
     Args:

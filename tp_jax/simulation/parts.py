@@ -58,6 +58,10 @@ def take_apart(model: AbstractTorsionPendulum) -> Parts:
     kept = tuple(names[i] for i in numbers)
     eps = tuple(kept.index(n) for n in ("bearing.eps", "contact.eps") if n in kept)
     return Parts(
-        kept, tuple(leaves[i] for i in numbers), model_of, (eps[0], eps[-1]),
-        model.n_states, template,
-    )  # fmt: skip
+        kept,
+        tuple(leaves[i] for i in numbers),
+        model_of,
+        (eps[0], eps[-1]),
+        model.n_states,
+        template,
+    )

@@ -42,9 +42,12 @@ class ReversalController(diffrax.AbstractStepSizeController):
     direction: Array | int
 
     def __init__(
-        self, model: AbstractTorsionPendulum, tolerance: Array | float = 1e-8,
-        control: Control = Control(), direction: Array | int = 1,  # noqa: B008
-    ):  # fmt: skip
+        self,
+        model: AbstractTorsionPendulum,
+        tolerance: Array | float = 1e-8,
+        control: Control = Control(),  # noqa: B008
+        direction: Array | int = 1,
+    ):
         """Makes a controller for the motions of one pendulum.
 
         Args:
@@ -66,20 +69,34 @@ class ReversalController(diffrax.AbstractStepSizeController):
         t, y, dt0 = jax.lax.stop_gradient((jnp.asarray(t0, float), components(y0), dt0))
         first = jnp.asarray(1e-3 * (t1 - t0) if dt0 is None else dt0)
         state = ControllerState(
-            self._field(t, tuple(y)), natural_frequency(self._field, t, y, ()),
+            self._field(t, tuple(y)),
+            natural_frequency(self._field, t, y, ()),
             sign_jumps(self._field, t, y, (), self._eps()),
-        )  # fmt: skip
+        )
         return t + self._bounded(first, y, state), state
 
     def adapt_step_size(
-        self, t0, t1, y0, y1_candidate, args, y_error, error_order,  # noqa: ARG002
+        self,
+        t0,
+        t1,
+        y0,
+        y1_candidate,
+        args,  # noqa: ARG002
+        y_error,
+        error_order,  # noqa: ARG002
         controller_state,
-    ):  # fmt: skip
+    ):
         """Says whether a step is kept, and the next; see `diffrax.AbstractStepSizeController`."""
         t0, t1, y, end, error, state = jax.lax.stop_gradient(
-            (t0, t1, components(y0), components(y1_candidate), components(y_error),
-             controller_state)
-        )  # fmt: skip
+            (
+                t0,
+                t1,
+                components(y0),
+                components(y1_candidate),
+                components(y_error),
+                controller_state,
+            )
+        )
         t1 = jnp.asarray(t1)
         h = t1 - t0
         ratio = error_ratio(

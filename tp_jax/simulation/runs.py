@@ -135,15 +135,27 @@ def integrate(
         if bends is not None:
             s = [jnp.broadcast_to(jnp.eye(nc, nd)[j, :, None], (nd, run.size)) for j in range(nc)]
             change = linear(
-                lambda y, q: tuple(start(y, q)), y, q, shape.by_state, bends.field_by_parameter,
+                lambda y, q: tuple(start(y, q)),
+                y,
+                q,
+                shape.by_state,
+                bends.field_by_parameter,
                 directions,
-            ).along(s, nc)  # fmt: skip
+            ).along(s, nc)
             fs = [jnp.zeros((nd, run.size)) if x is None else x for x in change]
         return _Lanes(
-            t, jnp.ones_like(run), zero + first, jnp.zeros_like(run), y, f, s, fs,
-            jnp.zeros((nd, run.size)), 1.0 + 0.0 * fs[-1] if nd else zero,
+            t,
+            jnp.ones_like(run),
+            zero + first,
+            jnp.zeros_like(run),
+            y,
+            f,
+            s,
+            fs,
+            jnp.zeros((nd, run.size)),
+            1.0 + 0.0 * fs[-1] if nd else zero,
             sign_jumps(field, t, y, q, e),
-        )  # fmt: skip
+        )
 
     def inner(run: Array, lanes: _Lanes) -> tuple[_Lanes, Array, Array]:
         q, e, _ = load(run)
@@ -233,10 +245,19 @@ def integrate(
 
 
 def _pass(
-    field: Field, shape: Structure, bends: Curvature | None, lanes: _Lanes, q: tuple, e: tuple,
-    directions: Array | None, ts: Array, c: Control, per_step: int, velocities: bool,
+    field: Field,
+    shape: Structure,
+    bends: Curvature | None,
+    lanes: _Lanes,
+    q: tuple,
+    e: tuple,
+    directions: Array | None,
+    ts: Array,
+    c: Control,
+    per_step: int,
+    velocities: bool,
     tangent_velocities: bool,
-) -> tuple[_Lanes, list[list[Array]], list[Array]]:  # fmt: skip
+) -> tuple[_Lanes, list[list[Array]], list[Array]]:
     """One attempt at a step in every lane, and what lies inside it."""
     n = ts.size
     t, k, y, f = lanes.t, lanes.k, lanes.y, lanes.f
@@ -287,16 +308,29 @@ def _pass(
         steps=lanes.steps + active,
         y=[jnp.where(accept, a, b) for a, b in zip(new.y, y, strict=True)],
         f=[jnp.where(accept, a, b) for a, b in zip(new.f, f, strict=True)],
-        s=s, fs=fs, doubt=doubt, unit=lanes.unit, jumps=lanes.jumps,
-    )  # fmt: skip
+        s=s,
+        fs=fs,
+        doubt=doubt,
+        unit=lanes.unit,
+        jumps=lanes.jumps,
+    )
     return after, rows, place
 
 
 def attempt(
-    field: Field, shape: Structure, t: Array, h: Array, room: Array, y: list[Array],
-    f: list[Array], q: tuple, e: tuple, c: Control, restart: Restart | None = None,
+    field: Field,
+    shape: Structure,
+    t: Array,
+    h: Array,
+    room: Array,
+    y: list[Array],
+    f: list[Array],
+    q: tuple,
+    e: tuple,
+    c: Control,
+    restart: Restart | None = None,
     jumps: tuple[Array, Array] | None = None,
-) -> tuple[Array, Stepped, Array]:  # fmt: skip
+) -> tuple[Array, Stepped, Array]:
     """A step of the size that the control wants, no longer than `room`.
 
     jumps: see `control.layers`; None: every layer is resolved.

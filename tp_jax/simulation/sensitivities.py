@@ -18,9 +18,17 @@ from tp_jax.simulation.runs import Ran, integrate
 from tp_jax.simulation.solve import Trajectory, checked, samples_per_step
 
 BASE = (
-    "spring.k", "drive.A", "B1", "B2", "bearing.c1", "bearing.M1", "contact.Tv", "contact.Ts1",
-    "contact.Tst", "contact.T0",
-)  # fmt: skip
+    "spring.k",
+    "drive.A",
+    "B1",
+    "B2",
+    "bearing.c1",
+    "bearing.M1",
+    "contact.Tv",
+    "contact.Ts1",
+    "contact.Tst",
+    "contact.T0",
+)
 """The paper's unknowns (11) but Ts2, which has no effect, by their place in the pendulum."""
 
 STATE = ("phi1(0)", "phi2(0)", "omega1(0)", "omega2(0)")
@@ -115,9 +123,16 @@ def sensitivities(
 
     def run(index: np.ndarray, active: int, width: int) -> Ran:
         return _compiled()(
-            parts.template, p[:, index], states[:, index], ts, control, places, most,
-            np.asarray(active), width,
-        )  # fmt: skip
+            parts.template,
+            p[:, index],
+            states[:, index],
+            ts,
+            control,
+            places,
+            most,
+            np.asarray(active),
+            width,
+        )
 
     if alone:
         done = run(np.zeros(1, int), 1, 1)
@@ -161,7 +176,16 @@ def _run(template, p, y0, ts, control, places, max_steps, active, width) -> Ran:
     parts = take_apart(template)
     q = tuple(p)
     return integrate(
-        parts.field, q, y0, ts, (q[parts.eps[0]], q[parts.eps[1]]), control,
-        directions=places, tangent_velocities=False, width=width,
-        per_step=samples_per_step(ts.size), max_steps=max_steps, active=active,
-    )  # fmt: skip
+        parts.field,
+        q,
+        y0,
+        ts,
+        (q[parts.eps[0]], q[parts.eps[1]]),
+        control,
+        directions=places,
+        tangent_velocities=False,
+        width=width,
+        per_step=samples_per_step(ts.size),
+        max_steps=max_steps,
+        active=active,
+    )

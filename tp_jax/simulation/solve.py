@@ -208,10 +208,17 @@ def _own(parts: Parts, max_steps: int) -> Callable:
         p, y0 = inputs[:, :n_p].T, inputs[:, n_p:].T
         eps = p[parts.eps[0]], p[parts.eps[1]]
         return integrate(
-            parts.field, tuple(p), y0, ts, eps, Control(angle=tolerance), directions=directions,
+            parts.field,
+            tuple(p),
+            y0,
+            ts,
+            eps,
+            Control(angle=tolerance),
+            directions=directions,
             width=lanes(WIDTH, len(inputs)),
-            per_step=samples_per_step(ts.size), max_steps=max_steps,
-        )  # fmt: skip
+            per_step=samples_per_step(ts.size),
+            max_steps=max_steps,
+        )
 
     def motions(inputs, ts, tolerance):
         return engine(inputs, ts, tolerance, None).y

@@ -86,9 +86,16 @@ def sweep(
 
     def run(index: np.ndarray, active: int) -> None:
         done = compiled(
-            parts.template, p[:, index], states[:, index], ts, control, jnp.asarray(max_steps),
-            jnp.asarray(active), width, velocities,
-        )  # fmt: skip
+            parts.template,
+            p[:, index],
+            states[:, index],
+            ts,
+            control,
+            jnp.asarray(max_steps),
+            jnp.asarray(active),
+            width,
+            velocities,
+        )
         for whole, its in ((y, done.y), (steps, done.steps), (complete, done.complete)):
             whole[index[:active]] = np.asarray(its)[:active]
 
@@ -109,7 +116,15 @@ def _run(template, p, y0, ts, control, max_steps, active, width, velocities) -> 
     parts = take_apart(template)
     q = tuple(p)
     return integrate(
-        parts.field, q, y0, ts, (q[parts.eps[0]], q[parts.eps[1]]), control, width=width,
-        per_step=samples_per_step(ts.size), velocities=velocities, max_steps=max_steps,
+        parts.field,
+        q,
+        y0,
+        ts,
+        (q[parts.eps[0]], q[parts.eps[1]]),
+        control,
+        width=width,
+        per_step=samples_per_step(ts.size),
+        velocities=velocities,
+        max_steps=max_steps,
         active=active,
-    )  # fmt: skip
+    )

@@ -164,9 +164,13 @@ def differentiate(
 
         depends = shape.by_time[:, None]
         ft = linear(
-            by_time, y, p, shape.by_state & depends, bends.field_by_parameter & depends,
+            by_time,
+            y,
+            p,
+            shape.by_state & depends,
+            bends.field_by_parameter & depends,
             directions,
-        ).along(s, n)  # fmt: skip
+        ).along(s, n)
 
     # All points of the step at once: what is evaluated once is compiled once.
     points: list[tuple[AnyArray, Sequence[Array], tuple]] = [
@@ -181,8 +185,10 @@ def differentiate(
         lambda y, p: tuple(field(ts, tuple(y), p)),
         [jnp.concatenate(u) for u in zip(*states, strict=True)],
         tuple(jnp.concatenate(q) for q in zip(*numbers, strict=True)),
-        shape.by_state, bends.field_by_parameter, directions,
-    )  # fmt: skip
+        shape.by_state,
+        bends.field_by_parameter,
+        directions,
+    )
 
     def change(i: int, s: list[Array]) -> list[Array | None]:
         """Change of the field at one of the points along S."""

@@ -21,10 +21,17 @@ from trials.effects import (
 )
 
 FAMILIES = (
-    outside_column, outside_contact, outside_sensors, outside_clock,
-    cousins_drive, cousins_spring, cousins_bearing, cousins_contact, cousins_column,
+    outside_column,
+    outside_contact,
+    outside_sensors,
+    outside_clock,
+    cousins_drive,
+    cousins_spring,
+    cousins_bearing,
+    cousins_contact,
+    cousins_column,
     cousins_sensors,
-)  # fmt: skip
+)
 
 for _family in FAMILIES:
     register(_family)

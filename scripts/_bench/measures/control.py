@@ -51,10 +51,17 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
                 # of a run the largest error; of runs the median, as some end in another branch
                 error = float(np.median(np.abs(_angles(done) - fine).max(axis=(1, 2))))
                 usual = usual or count
-                results.append({
-                    "eps": eps, "runs": runs, "variation": variation, "changes": changes,
-                    "tolerance": tol, "steps": count, "error": error,
-                })  # fmt: skip
+                results.append(
+                    {
+                        "eps": eps,
+                        "runs": runs,
+                        "variation": variation,
+                        "changes": changes,
+                        "tolerance": tol,
+                        "steps": count,
+                        "error": error,
+                    }
+                )
                 text = f"{count:.0f} steps, error {error:.1e}"
                 if changes:
                     text += f": {count / usual - 1.0:+.0%} steps"

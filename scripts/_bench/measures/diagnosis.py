@@ -54,10 +54,16 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
         numbers[kind] = {"seconds": seconds._asdict(), "gigabytes": most}
         case, name = f"{kind} cache", b.ours.name
         rows += [
-            held(f"diagnosis {kind}", "diagnosis", case, name, seconds.median,
-                 duration(seconds.median)),
+            held(
+                f"diagnosis {kind}",
+                "diagnosis",
+                case,
+                name,
+                seconds.median,
+                duration(seconds.median),
+            ),
             held("diagnosis memory", "diagnosis", case, name, most, f"{most:.3g} GB"),
-        ]  # fmt: skip
+        ]
     return numbers, rows
 
 

@@ -46,8 +46,9 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
             each = took.cpu / n
     cpu = [each["cpu_s"] for each in rates.values()]
     ratio = max(cpu) / min(cpu)
-    rows.append(held("rates ratio", "growth", "rates, most over least", b.ours.name, ratio,
-                     f"{ratio:.3g}"))  # fmt: skip
+    rows.append(
+        held("rates ratio", "growth", "rates, most over least", b.ours.name, ratio, f"{ratio:.3g}")
+    )
     return {"rates": rates, "recordings": recordings, "ratio": ratio}, rows
 
 
@@ -61,6 +62,9 @@ def _took(b: Bench, folder: Path, runs: int, rate: float) -> Took:
 
 def _row(b: Bench, rows: list[Row], case: str, took: Took) -> dict[str, float]:
     rows.append(plain("growth", case, b.ours.name, f"{took.cpu:.3g} CPU s"))
-    rows.append(held("growth memory", "growth", case, b.ours.name, took.gigabytes,
-                     f"{took.gigabytes:.3g} GB"))  # fmt: skip
+    rows.append(
+        held(
+            "growth memory", "growth", case, b.ours.name, took.gigabytes, f"{took.gigabytes:.3g} GB"
+        )
+    )
     return {"cpu_s": took.cpu, "seconds": took.seconds, "gigabytes": took.gigabytes}

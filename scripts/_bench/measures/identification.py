@@ -78,17 +78,24 @@ def _scipy(data: Any, bound: Mapping, starts: int, truth: Mapping, tol: float) -
 
 
 def _told(
-    peer: str, ends: Sequence[float | None], drawn: Sequence[float | None],
-    values: Mapping[str, float], truth: Mapping[str, float], seconds: float,
-) -> dict[str, Any]:  # fmt: skip
+    peer: str,
+    ends: Sequence[float | None],
+    drawn: Sequence[float | None],
+    values: Mapping[str, float],
+    truth: Mapping[str, float],
+    seconds: float,
+) -> dict[str, Any]:
     best = min(x for x in ends if x is not None)
     errors = {n: abs(values[n] / truth[n] - 1.0) for n in WELL_KNOWN}
     return {
-        "peer": peer, "starts": len(drawn), "seconds": seconds,
+        "peer": peer,
+        "starts": len(drawn),
+        "seconds": seconds,
         "reached": sum(x is not None and x <= best + REACHED for x in drawn),
         "above": [None if x is None or not math.isfinite(x) else x - best for x in drawn],
-        "errors": errors, "right": sum(e <= RIGHT for e in errors.values()),
-    }  # fmt: skip
+        "errors": errors,
+        "right": sum(e <= RIGHT for e in errors.values()),
+    }
 
 
 def _row(one: Mapping[str, Any], ours: Mapping[str, Any]) -> Row:

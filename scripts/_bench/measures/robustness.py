@@ -26,15 +26,23 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
         took = time.perf_counter() - start
         lost = np.flatnonzero(~complete)
         median, slowest = float(np.median(steps)), int(np.max(steps))
-        results.append({
-            "eps": eps, "draws": len(table), "duration": ts[-1], "tolerance": tol,
-            "lost": lost.size, "rows_lost": table[lost[:20]],
-            "steps": {
-                "median": median, "p99": float(np.percentile(steps, 99)), "slowest": slowest,
-                "slowest_row": table[int(np.argmax(steps))],
-            },
-            "seconds": took,
-        })  # fmt: skip
+        results.append(
+            {
+                "eps": eps,
+                "draws": len(table),
+                "duration": ts[-1],
+                "tolerance": tol,
+                "lost": lost.size,
+                "rows_lost": table[lost[:20]],
+                "steps": {
+                    "median": median,
+                    "p99": float(np.percentile(steps, 99)),
+                    "slowest": slowest,
+                    "slowest_row": table[int(np.argmax(steps))],
+                },
+                "seconds": took,
+            }
+        )
         value = f"{lost.size} of {len(table)} lost, {duration(took)} in all"
         case = smoothing(eps)
         rows.append(held("lost", "robustness", case, b.ours.name, float(lost.size), value))

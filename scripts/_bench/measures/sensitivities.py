@@ -78,10 +78,10 @@ def _many(b: Bench, eps: float, cvodes: list[dict]) -> dict:
     readings = interleaved(calls, b.scale.pairs)
     readings = {name: [x / each[name] for x in values] for name, values in readings.items()}
     found = {
-        "eps": eps, "lanes": len(table), "seconds_per_run": {
-            name: spread(values)._asdict() for name, values in readings.items()
-        },
-    }  # fmt: skip
+        "eps": eps,
+        "lanes": len(table),
+        "seconds_per_run": {name: spread(values)._asdict() for name, values in readings.items()},
+    }
     if peer is not None:
         over = ratio(readings, b.ours.name, peer["peer"])
         found["ours_over_peer"] = {"peer": peer["peer"], **over._asdict()}
@@ -95,8 +95,16 @@ def _rows_of_many(b: Bench, case: str, found: dict) -> list[Row]:
     over = found.get("ours_over_peer")
     if over is not None:
         value = f"{times(over['median'])} {over['peer']}, on all cores too"
-        rows.append(held("sensitivities over cvodes", "sensitivities", where, b.ours.name,
-                         over["median"], value))  # fmt: skip
+        rows.append(
+            held(
+                "sensitivities over cvodes",
+                "sensitivities",
+                where,
+                b.ours.name,
+                over["median"],
+                value,
+            )
+        )
     return rows
 
 

@@ -21,9 +21,9 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
         environment.pop("TP_JAX_CACHE", None)
         target = Path(folder, "run.csv")
         cold = _simulated(target, environment, b.scale.duration)
-        warm = spread([
-            _simulated(target, environment, b.scale.duration) for _ in range(b.scale.pairs)
-        ])  # fmt: skip
+        warm = spread(
+            [_simulated(target, environment, b.scale.duration) for _ in range(b.scale.pairs)]
+        )
     name = b.ours.name
     rows = [
         plain("shell", "cold cache", name, duration(cold)),
@@ -36,11 +36,21 @@ def _simulated(target: Path, environment: dict[str, str], seconds: float) -> flo
     start = time.perf_counter()
     subprocess.run(
         [
-            sys.executable, "-m", "tp_jax", "simulate", "--preset", "bench", "--quiet",
-            "--duration", str(seconds), "--out", str(target),
+            sys.executable,
+            "-m",
+            "tp_jax",
+            "simulate",
+            "--preset",
+            "bench",
+            "--quiet",
+            "--duration",
+            str(seconds),
+            "--out",
+            str(target),
         ],
-        check=True, env=environment,
-    )  # fmt: skip
+        check=True,
+        env=environment,
+    )
     took = time.perf_counter() - start
     target.unlink()
     return took

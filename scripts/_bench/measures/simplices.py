@@ -33,8 +33,16 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
         rows.append(_row(results[1], starts, iterations))
         factor = results[0]["seconds"] / results[1]["seconds"]
         who = f"{results[1]['peer']}, one process"
-        rows.append(held("simplices over scipy", "simplices", f"{starts} starts",
-                         results[0]["peer"], factor, f"{times(factor)} {who}"))  # fmt: skip
+        rows.append(
+            held(
+                "simplices over scipy",
+                "simplices",
+                f"{starts} starts",
+                results[0]["peer"],
+                factor,
+                f"{times(factor)} {who}",
+            )
+        )
     return {"starts": starts, "iterations": iterations, "results": results}, rows
 
 
@@ -64,9 +72,11 @@ def _ours(setting: Any, x0: np.ndarray, iterations: int) -> dict[str, Any]:
     begin = time.perf_counter()
     found = call()
     return {
-        "peer": "tp-jax", "seconds": time.perf_counter() - begin,
-        "objectives": [each[1] for each in found], "evaluations": [each[2] for each in found],
-    }  # fmt: skip
+        "peer": "tp-jax",
+        "seconds": time.perf_counter() - begin,
+        "objectives": [each[1] for each in found],
+        "evaluations": [each[2] for each in found],
+    }
 
 
 def _scipy(runs: Any, x0: np.ndarray, limits: Any, iterations: int) -> dict[str, Any]:
@@ -76,9 +86,11 @@ def _scipy(runs: Any, x0: np.ndarray, limits: Any, iterations: int) -> dict[str,
     begin = time.perf_counter()
     found = [simplex_search(x, runs, limits, iterations) for x in x0]
     return {
-        "peer": "SciPy and CVODES", "seconds": time.perf_counter() - begin,
-        "objectives": [each[1] for each in found], "evaluations": [each[2] for each in found],
-    }  # fmt: skip
+        "peer": "SciPy and CVODES",
+        "seconds": time.perf_counter() - begin,
+        "objectives": [each[1] for each in found],
+        "evaluations": [each[2] for each in found],
+    }
 
 
 def _row(one: dict[str, Any], starts: int, iterations: int) -> Row:

@@ -74,10 +74,13 @@ def _other(b: Bench, peer: Peer, eps: float) -> list[dict]:
         took, angles = b.timed(peer, row, eps, tol)
         sliding = took if case == SLIDING else sliding
         error = math.inf if angles is None else largest(angles, b.truth(row, eps, b.scale.ts))
-        results.append({
-            **_result(peer, eps, case, error, tol),
-            "seconds_per_second": took / b.scale.duration, "relative": took / sliding,
-        })  # fmt: skip
+        results.append(
+            {
+                **_result(peer, eps, case, error, tol),
+                "seconds_per_second": took / b.scale.duration,
+                "relative": took / sliding,
+            }
+        )
     return results
 
 

@@ -40,10 +40,16 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
             calls[peer.name] = lambda p=peer, n=lanes, tol=tol, eps=eps: p.sweep(
                 table[:n], eps, b.scale.ts, tol
             )
-            found.append({
-                "peer": peer.name, "eps": eps, "lanes": lanes, "threads": peer.threads,
-                "tolerance": tol, "error": error,
-            })  # fmt: skip
+            found.append(
+                {
+                    "peer": peer.name,
+                    "eps": eps,
+                    "lanes": lanes,
+                    "threads": peer.threads,
+                    "tolerance": tol,
+                    "error": error,
+                }
+            )
         readings = interleaved(calls, b.scale.pairs, warm=True, budget=b.scale.budget)
         per_run = {
             one["peer"]: [seconds / one["lanes"] for seconds in readings[one["peer"]]]
@@ -68,7 +74,7 @@ def _settled(b: Bench, peer: Peer, table, truth, eps: float) -> tuple[int, float
     scout = lambda tol: max(  # noqa: E731
         largest(peer.run(table[i], eps, ts, tol), truth[i]) for i in range(few)
     )
-    start, _ = loosest(scout, b.ladder(peer), b.scale.cap)
+    start, _ = loosest(scout, b.schedule(peer), b.scale.cap)
     began = time.perf_counter()
     scout(start)
     alone = (time.perf_counter() - began) / few
@@ -77,9 +83,9 @@ def _settled(b: Bench, peer: Peer, table, truth, eps: float) -> tuple[int, float
         # in whole loads of the cores
         lanes = max(1, int(SLOW / alone)) * cores()
         lanes = min(len(table), max(lanes, few))
-    ladder = tuple(tol for tol in b.ladder(peer) if tol <= start)
+    schedule = tuple(tol for tol in b.schedule(peer) if tol <= start)
     error_at = lambda tol: largest(peer.sweep(table[:lanes], eps, ts, tol), truth[:lanes])  # noqa: E731
-    return lanes, *loosest(error_at, ladder, b.scale.cap)
+    return lanes, *loosest(error_at, schedule, b.scale.cap)
 
 
 def _on_gpu(case: str, ours: dict) -> list[Row]:

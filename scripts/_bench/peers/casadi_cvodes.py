@@ -37,10 +37,15 @@ def integrator(
     """
     ts = np.frombuffer(grid)
     options = {
-        "reltol": tol, "abstol": tol, "max_num_steps": most, "nfwd": directions,
-        "linear_multistep_method": method, "second_order_correction": False,
-        "disable_internal_warnings": True, "show_eval_warnings": False,
-    }  # fmt: skip
+        "reltol": tol,
+        "abstol": tol,
+        "max_num_steps": most,
+        "nfwd": directions,
+        "linear_multistep_method": method,
+        "second_order_correction": False,
+        "disable_internal_warnings": True,
+        "show_eval_warnings": False,
+    }
     return ca.integrator("run", "cvodes", equations(), ts[0], ts.tolist(), options)
 
 

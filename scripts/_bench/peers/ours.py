@@ -53,9 +53,12 @@ def motions(table, eps, ts, tol, changes=None):
     """The same as a user gets it, `tp_jax.Sweep`; `changes` of `Control` compile nothing anew."""
     control = None if changes is None else Control(*map(jnp.asarray, Control(**changes)))
     return tp.sweep(
-        _models(np.asarray(table), eps), ts, tolerance=tol, velocities=False,
+        _models(np.asarray(table), eps),
+        ts,
+        tolerance=tol,
+        velocities=False,
         control=control,
-    )  # fmt: skip
+    )
 
 
 def sensitivities(parameters, eps, ts, tol):

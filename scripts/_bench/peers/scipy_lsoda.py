@@ -19,9 +19,17 @@ def integrate(parameters, eps, ts, tol):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what it warns of is in its message too
         states, report = odeint(
-            rates, np.zeros(4), ts, args=(constants(parameters, eps),), Dfun=jacobian,
-            tfirst=True, rtol=tol, atol=tol, mxstep=100_000_000, full_output=True,
-        )  # fmt: skip
+            rates,
+            np.zeros(4),
+            ts,
+            args=(constants(parameters, eps),),
+            Dfun=jacobian,
+            tfirst=True,
+            rtol=tol,
+            atol=tol,
+            mxstep=100_000_000,
+            full_output=True,
+        )
     return states if report["message"].startswith("Integration successful") else states * np.nan
 
 

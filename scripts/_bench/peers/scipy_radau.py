@@ -12,9 +12,15 @@ def run(parameters, eps, ts, tol):
     """Angles (n, 2) of one run."""
     c = constants(parameters, eps)
     solution = solve_ivp(
-        lambda t, y: rates(t, y, c), (ts[0], ts[-1]), np.zeros(4), "Radau", t_eval=ts,
-        jac=lambda t, y: jacobian(t, y, c), rtol=tol, atol=tol,
-    )  # fmt: skip
+        lambda t, y: rates(t, y, c),
+        (ts[0], ts[-1]),
+        np.zeros(4),
+        "Radau",
+        t_eval=ts,
+        jac=lambda t, y: jacobian(t, y, c),
+        rtol=tol,
+        atol=tol,
+    )
     return solution.y[:2].T if solution.success else np.full((ts.size, 2), np.nan)
 
 

@@ -27,9 +27,13 @@ def run(parameters, eps, ts, tol):
     """Angles (n, 2) of one run."""
     # building one takes microseconds
     solver = sksundae.cvode.CVODE(
-        right_hand_side, jacfn=derivative, userdata=constants(parameters, eps),
-        rtol=tol, atol=tol, max_num_steps=1_000_000_000,
-    )  # fmt: skip
+        right_hand_side,
+        jacfn=derivative,
+        userdata=constants(parameters, eps),
+        rtol=tol,
+        atol=tol,
+        max_num_steps=1_000_000_000,
+    )
     solution = solver.solve(ts, np.zeros(4))
     return solution.y[:, :2] if solution.success else np.full((ts.size, 2), np.nan)
 

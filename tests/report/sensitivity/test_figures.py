@@ -38,7 +38,9 @@ def analysis():
     both = {"phi1": whole(0.5), "phi2": whole(0.6)}
     return {
         "structural": {
-            "parameters": NAMES, "singular_values": [[9.0, 3.0, 1e-3, 0.0]] * 2, "rank": 3,
+            "parameters": NAMES,
+            "singular_values": [[9.0, 3.0, 1e-3, 0.0]] * 2,
+            "rank": 3,
             "points": 2,
         },
         "null_directions": [
@@ -51,10 +53,15 @@ def analysis():
         "sobol": {"recordings": [entry("sobol")], "S1": both, "ST": both},
         "morris": {"recordings": [entry("morris")]},
         "profile": {
-            "T0": {"values": [1.0, 2.0, 3.0], "drops": [4.0, 0.0, 2.0], "level": 4.0,
-                   "ci95": [1.0, None], "unit": "s/rad"},
+            "T0": {
+                "values": [1.0, 2.0, 3.0],
+                "drops": [4.0, 0.0, 2.0],
+                "level": 4.0,
+                "ci95": [1.0, None],
+                "unit": "s/rad",
+            },
         },
-    }  # fmt: skip
+    }
 
 
 def test_all_are_written(analysis, tmp_path):

@@ -27,9 +27,10 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
     named = [best[id] for id in causes if id in best]
     dispersion = dispersions(seen)
     kept = [
-        (s, float(x)) for s, x in zip(seen.scored, dispersion, strict=True)
+        (s, float(x))
+        for s, x in zip(seen.scored, dispersion, strict=True)
         if s.variant.unknowns and not _rigs_alone(s)
-    ]  # fmt: skip
+    ]
     columns = np.array([i for s, _ in kept for i in range(s.rows.start, s.rows.stop)], dtype=int)
     variants, at = [], 0
     for s, x in kept:
@@ -53,9 +54,14 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
         noise = follow @ np.cov(drawn) @ follow.T
     limits = np.concatenate([np.zeros((0, 2)), *(s.limits for s, _ in kept)])
     return RigScores(
-        rig, tuple(variants), follow @ seen.total, information, noise, limits,
+        rig,
+        tuple(variants),
+        follow @ seen.total,
+        information,
+        noise,
+        limits,
         tuple((s.id, s.variant.shapes) for s in named if not _rigs_alone(s)),
-    )  # fmt: skip
+    )
 
 
 def _rigs_alone(scored: Scored) -> bool:

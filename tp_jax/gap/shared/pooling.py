@@ -96,9 +96,12 @@ class Agreement:
 
 
 def pool(
-    rigs: Sequence[RigScores], key: Key, kinds: Sequence[Key] = (), owns: Sequence[Key] = (),
+    rigs: Sequence[RigScores],
+    key: Key,
+    kinds: Sequence[Key] = (),
+    owns: Sequence[Key] = (),
     without: int | None = None,
-) -> Pooled:  # fmt: skip
+) -> Pooled:
     """An effect over all rigs.
 
     Args:
@@ -137,13 +140,14 @@ def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence
     first = next(known[key] for key in sizes if key in known)
     others = [*(key for key in rig.own if not _alike(rig, first, known.get(key))), *owns]
     apart = [
-        known[key].columns for key in dict.fromkeys(others)
-        if key in known and key[0] not in asked
-    ]  # fmt: skip
-    rows = np.concatenate([
-        np.eye(n)[known[key].columns] if key in known else np.zeros((size, n))
-        for key, size in sizes.items()
-    ])  # fmt: skip
+        known[key].columns for key in dict.fromkeys(others) if key in known and key[0] not in asked
+    ]
+    rows = np.concatenate(
+        [
+            np.eye(n)[known[key].columns] if key in known else np.zeros((size, n))
+            for key, size in sizes.items()
+        ]
+    )
     if apart:
         columns = np.concatenate([np.r_[each] for each in apart])
         V = rig.information
@@ -208,8 +212,9 @@ def agreement(pooled: Pooled) -> Agreement:
     return Agreement(total, int(dof), p, spread, tuple(factors), tuple(alone))
 
 
-def cosine(rigs: Sequence[RigScores], a: Key, b: Key, kinds: Sequence[Key] = (),
-           owns: Sequence[Key] = ()) -> float:  # fmt: skip
+def cosine(
+    rigs: Sequence[RigScores], a: Key, b: Key, kinds: Sequence[Key] = (), owns: Sequence[Key] = ()
+) -> float:
     """Largest |cos| between the projected directions of two effects at the pooled information.
 
     Args:

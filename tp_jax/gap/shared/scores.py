@@ -88,13 +88,17 @@ def write(file: Path, scores: RigScores) -> None:
         OSError: the file cannot be written.
     """
     facts = {
-        "form": FORM, "rig": scores.rig, "own": scores.own,
+        "form": FORM,
+        "rig": scores.rig,
+        "own": scores.own,
         "variants": [dataclasses.asdict(each) for each in scores.variants],
-    }  # fmt: skip
+    }
     upper = np.triu_indices(len(scores.score))
     arrays: dict[str, Any] = {
-        "score": scores.score, "limits": scores.limits, "information": scores.information[upper],
-    }  # fmt: skip
+        "score": scores.score,
+        "limits": scores.limits,
+        "information": scores.information[upper],
+    }
     if not np.array_equal(scores.noise, scores.information):
         arrays["noise"] = scores.noise[upper]
     with replaced(file) as part, part.open("wb") as stream:

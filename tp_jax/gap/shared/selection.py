@@ -167,9 +167,14 @@ def _p(largest: np.ndarray, pooled: Pooled) -> float:
 
 
 def _judged(
-    rigs: Sequence[RigScores], found: Candidate, best: Sequence[Pooled], kinds: Sequence[Key],
-    owns: Sequence[Key], largest: np.ndarray, policy: SharedPolicy,
-) -> SharedEffect:  # fmt: skip
+    rigs: Sequence[RigScores],
+    found: Candidate,
+    best: Sequence[Pooled],
+    kinds: Sequence[Key],
+    owns: Sequence[Key],
+    largest: np.ndarray,
+    policy: SharedPolicy,
+) -> SharedEffect:
     """An effect that passes: the kind's, or some rigs' own."""
     pooled = found.pooled
     agreed = agreement(pooled)
@@ -182,17 +187,19 @@ def _judged(
     holds = same_sign and (p_without < policy.level or rest.drop >= policy.kept * pooled.drop)
     differ = agreed.p < policy.differ and agreed.spread > policy.spread
     showing = tuple(
-        part.rig for part, p in zip(pooled.parts, agreed.p_by_rig, strict=True)
+        part.rig
+        for part, p in zip(pooled.parts, agreed.p_by_rig, strict=True)
         if p * len(pooled.parts) < policy.level
-    )  # fmt: skip
+    )
     tied = tuple(
-        each.key[0] for each in best
+        each.key[0]
+        for each in best
         if each.key[0] != pooled.key[0]
         and (
             pooled.statistic - each.statistic < policy.near
             or cosine(rigs, pooled.key, each.key, kinds, owns) > TIED
         )
-    )  # fmt: skip
+    )
     verdict = KIND if holds and not differ else OWN
     return SharedEffect(
         pooled, verdict, found.p, agreed, differ, rig, rest, p_without, showing, tied

@@ -14,9 +14,11 @@ never narrowed (Birge 1932, Phys. Rev. 40:207)."""
 
 
 def shared_table(
-    rigs: Sequence[RigScores], without: Sequence[str] = (), seed: int = 0,
+    rigs: Sequence[RigScores],
+    without: Sequence[str] = (),
+    seed: int = 0,
     policy: SharedPolicy = POLICY.shared,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """Effects that the rigs share or that are some rigs' own, and all that were asked.
 
     Args:
@@ -30,9 +32,13 @@ def shared_table(
         "level"; "effects": those that were named; "candidates": all, the most significant first.
     """
     known: dict[str, Any] = {
-        "reason": None, "rigs": [rig.rig for rig in rigs], "left_out": list(without),
-        "level": policy.level, "effects": [], "candidates": [],
-    }  # fmt: skip
+        "reason": None,
+        "rigs": [rig.rig for rig in rigs],
+        "left_out": list(without),
+        "level": policy.level,
+        "effects": [],
+        "candidates": [],
+    }
     if len(rigs) < policy.rigs:
         return known | {"reason": too_few(len(rigs), policy)}
     found = shared_effects(rigs, seed, policy)
@@ -40,12 +46,15 @@ def shared_table(
         "effects": [_effect(rigs, each) for each in found.effects],
         "candidates": [
             {
-                "effect": each.pooled.key[0], "location": _variant(rigs, each.pooled).location,
-                "rigs": len(each.pooled.parts), "reduction": each.pooled.drop, "p": each.p,
+                "effect": each.pooled.key[0],
+                "location": _variant(rigs, each.pooled).location,
+                "rigs": len(each.pooled.parts),
+                "reduction": each.pooled.drop,
+                "p": each.p,
             }
             for each in found.candidates
         ],
-    }  # fmt: skip
+    }
 
 
 def too_few(count: int, policy: SharedPolicy = POLICY.shared) -> str:
@@ -81,20 +90,22 @@ def _effect(rigs: Sequence[RigScores], named: SharedEffect) -> dict[str, Any]:
         "reduction": pooled.drop,
         "p": named.p,
         "heterogeneity": {
-            "q": agreed.q, "dof": agreed.dof, "p": agreed.p, "spread": agreed.spread,
+            "q": agreed.q,
+            "dof": agreed.dof,
+            "p": agreed.p,
+            "spread": agreed.spread,
         },
         "differ": named.differ,
         "without_largest": {
-            "rig": rigs[named.largest].rig, "reduction": named.without.drop,
+            "rig": rigs[named.largest].rig,
+            "reduction": named.without.drop,
             "p": named.p_without,
         },
         "asked_of": len(pooled.parts),
         "shown_by": [rigs[i].rig for i in named.showing],
         "by_rig": {
             rigs[part.rig].rig: {"factor": factor, "p": p}
-            for part, factor, p in zip(
-                pooled.parts, agreed.by_rig, agreed.p_by_rig, strict=True
-            )
+            for part, factor, p in zip(pooled.parts, agreed.by_rig, agreed.p_by_rig, strict=True)
         },
         "confused_with": list(named.tied),
-    }  # fmt: skip
+    }

@@ -69,8 +69,10 @@ def _numbers(prefix: str, content: Any) -> Iterator[tuple[str, float]]:
         for key, each in pairs:
             yield from _numbers(f"{prefix}{key}", each)
         return
-    fields = content if isinstance(content, dict) else {
-        name: getattr(content, name) for name in getattr(content, "__slots__", ())
-    }  # fmt: skip
+    fields = (
+        content
+        if isinstance(content, dict)
+        else {name: getattr(content, name) for name in getattr(content, "__slots__", ())}
+    )
     for key, each in fields.items():
         yield from _numbers(f"{prefix}.{key}" if prefix else str(key), each)

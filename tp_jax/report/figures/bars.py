@@ -54,7 +54,13 @@ def numbers(
     for y, end, text in zip(places, ends, texts, strict=True):
         side, dx = ("left", away) if end >= 0.0 else ("right", -away)
         axes.annotate(
-            text, (end, y), (dx, 0), textcoords="offset points", ha=side, va="center",
-            fontsize=size, color=style.INK,
-        )  # fmt: skip
+            text,
+            (end, y),
+            (dx, 0),
+            textcoords="offset points",
+            ha=side,
+            va="center",
+            fontsize=size,
+            color=style.INK,
+        )
     return layout.width_of(texts, size) + layout.SPACING.pad

@@ -35,9 +35,12 @@ def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | N
     channels = curves_of(entries[index])
     figure = style.new_figure(width, 0.5 + (3.1 if width >= style.WIDE else 2.9) * len(channels))
     rows = figure.subplots(
-        2 * len(channels), 1, sharex=True, squeeze=False,
+        2 * len(channels),
+        1,
+        sharex=True,
+        squeeze=False,
         height_ratios=[1.7, 1.0] * len(channels),
-    )[:, 0]  # fmt: skip
+    )[:, 0]
     for curve, above, below in zip(channels, rows[::2], rows[1::2], strict=True):
         _angles(above, curve)
         _errors(below, curve, diagnosis.noise_floor.get(curve.channel))

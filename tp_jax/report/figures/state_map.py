@@ -67,9 +67,11 @@ def draw(found: Found, width: float = style.WIDE) -> "Figure | None":
     bar = layout.width_of([f"{top:.1f}" for top in tops]) + _BAR + 3.0 * layout.SPACING.pad
     title = layout.SPACING.line if len(states) > 1 else 0.0
     spaces = dict(
-        right=bar + layout.SPACING.line, above=title, beside=2.0 * layout.SPACING.over,
+        right=bar + layout.SPACING.line,
+        above=title,
+        beside=2.0 * layout.SPACING.over,
         between=layout.SPACING.ticks + layout.SPACING.line + layout.SPACING.between + title,
-    )  # fmt: skip
+    )
     layout.place(figure, left=layout.SPACING.line, **spaces)  # the height decides on the ticks
     away = layout.numbers(grid[:, 0])
     for row, line in zip(rows, grid, strict=True):
@@ -94,10 +96,15 @@ def _row(row: Points, states: list[str], line: Any, width: float) -> Any:
         if cells is None:
             continue
         image = axes.imshow(
-            np.ma.masked_invalid(cells.T), origin="lower", aspect="auto",
-            interpolation="none", cmap=style.SCALE, vmin=0.0, vmax=top,
+            np.ma.masked_invalid(cells.T),
+            origin="lower",
+            aspect="auto",
+            interpolation="none",
+            cmap=style.SCALE,
+            vmin=0.0,
+            vmax=top,
             extent=(*edges[0][[0, -1]], *edges[1][[0, -1]]),
-        )  # fmt: skip
+        )
         axes.locator_params(nbins=6)
         if width < style.WIDE:  # numbers side by side take more of it than those above each other
             axes.locator_params(axis="x", nbins=3, steps=[1, 2, 5, 10])

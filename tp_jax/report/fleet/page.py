@@ -53,10 +53,16 @@ class Column(NamedTuple):
 
 
 COLUMNS = (
-    Column("Rig", "text"), Column("Verdict", "text"), Column("Cause", "text"),
-    Column("Place", "text"), Column("Size", "number"), Column("Probability", "number"),
-    Column("Shrink", "number"), Column("Error before", "number"), Column("Error after", "number"),
-)  # fmt: skip
+    Column("Rig", "text"),
+    Column("Verdict", "text"),
+    Column("Cause", "text"),
+    Column("Place", "text"),
+    Column("Size", "number"),
+    Column("Probability", "number"),
+    Column("Shrink", "number"),
+    Column("Error before", "number"),
+    Column("Error after", "number"),
+)
 
 
 class Row(NamedTuple):
@@ -72,9 +78,12 @@ class Row(NamedTuple):
 
 
 def render(
-    rows: Sequence[Mapping[str, Any]], name: str, *, day: date | None = None,
+    rows: Sequence[Mapping[str, Any]],
+    name: str,
+    *,
+    day: date | None = None,
     shared: Mapping[str, Any] | None = None,
-) -> str:  # fmt: skip
+) -> str:
     """The page as text.
 
     Args:
@@ -87,21 +96,25 @@ def render(
     hashed = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     known = counts(rows)
     shown = [_row(each) for each in rows]
-    return environment().get_template("fleet/fleet.html.j2").render(
-        name=name,
-        heading=_heading(len(rows), known),
-        day="" if day is None else day.isoformat(),
-        version=__version__,
-        verdicts=[(NAMES[v], known[v]) for v in VERDICTS if known[v]],
-        groups=_groups(rows),
-        shared=None if shared is None else told(shared),
-        heads=(KIND_HEAD, OWN_HEAD),
-        columns=COLUMNS,
-        rows=shown,
-        filters=_filters(shown),
-        script=script,
-        script_hash=hashed,
-    )  # fmt: skip
+    return (
+        environment()
+        .get_template("fleet/fleet.html.j2")
+        .render(
+            name=name,
+            heading=_heading(len(rows), known),
+            day="" if day is None else day.isoformat(),
+            version=__version__,
+            verdicts=[(NAMES[v], known[v]) for v in VERDICTS if known[v]],
+            groups=_groups(rows),
+            shared=None if shared is None else told(shared),
+            heads=(KIND_HEAD, OWN_HEAD),
+            columns=COLUMNS,
+            rows=shown,
+            filters=_filters(shown),
+            script=script,
+            script_hash=hashed,
+        )
+    )
 
 
 def _heading(total: int, known: Mapping[str, int]) -> str:
@@ -150,10 +163,15 @@ def _row(one: Mapping[str, Any]) -> Row:
     size = MISSING if one["value"] is None else f"{one['parameter']} {size} {of}".rstrip()
     before, after = angles([one["gap_before"], one["gap_after"]])
     cause = one["cause"] or ""
-    others = "; ".join(filter(None, [
-        f"also {one['other_causes']}" if one["other_causes"] else "",
-        f"not told from {one['confused_with']}" if one["confused_with"] else "",
-    ]))  # fmt: skip
+    others = "; ".join(
+        filter(
+            None,
+            [
+                f"also {one['other_causes']}" if one["other_causes"] else "",
+                f"not told from {one['confused_with']}" if one["confused_with"] else "",
+            ],
+        )
+    )
     place = words.capital(words.location(one["location"])) if one["location"] else ""
     does = words.capital(words.effect(cause)) if cause else MISSING
     known = one["probability"]
@@ -165,16 +183,22 @@ def _row(one: Mapping[str, Any]) -> Row:
         Cell(size, one["value"], interval),
         Cell(MISSING if known is None else probability(known), known),
         Cell(
-            percent(one["shrink"]), one["shrink"],
+            percent(one["shrink"]),
+            one["shrink"],
             percents(_pair(one["shrink_low"], one["shrink_high"])),
         ),
         Cell(before, one["gap_before"]),
         Cell(after, one["gap_after"]),
-    ]  # fmt: skip
+    ]
     return Row(
-        cells, one["report"] or "", NAMES[one["verdict"]], cause, place,
-        one["error"] or "" if one["verdict"] == FAILED else "", one["notices"] or "",
-    )  # fmt: skip
+        cells,
+        one["report"] or "",
+        NAMES[one["verdict"]],
+        cause,
+        place,
+        one["error"] or "" if one["verdict"] == FAILED else "",
+        one["notices"] or "",
+    )
 
 
 def _campaign(one: Mapping[str, Any]) -> str:

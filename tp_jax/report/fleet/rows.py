@@ -15,13 +15,31 @@ VERDICTS = ("explained", "unknown", "no_gap", FAILED)
 """In the order of the table: what can be repaired comes first."""
 
 COLUMNS: dict[str, type] = {
-    "rig": str, "campaign": str, "verdict": str, "location": str, "channel": str,
-    "cause": str, "probability": float, "confused_with": str, "other_causes": str,
-    "parameter": str, "value": float, "unit": str, "value_low": float, "value_high": float,
-    "shrink": float, "shrink_low": float, "shrink_high": float,
-    "gap_before": float, "gap_after": float, "noise_floor": float,
-    "wall_s": float, "report": str, "notices": str, "error": str,
-}  # fmt: skip
+    "rig": str,
+    "campaign": str,
+    "verdict": str,
+    "location": str,
+    "channel": str,
+    "cause": str,
+    "probability": float,
+    "confused_with": str,
+    "other_causes": str,
+    "parameter": str,
+    "value": float,
+    "unit": str,
+    "value_low": float,
+    "value_high": float,
+    "shrink": float,
+    "shrink_low": float,
+    "shrink_high": float,
+    "gap_before": float,
+    "gap_after": float,
+    "noise_floor": float,
+    "wall_s": float,
+    "report": str,
+    "notices": str,
+    "error": str,
+}
 """Of a row. Sizes and the interval's ends are in `unit`, gaps and noise in rad."""
 
 

@@ -36,10 +36,13 @@ def told(shared: Mapping[str, Any]) -> Told:
     """
     if shared["reason"]:
         return Told(shared["reason"], [], [])
-    kind, own = ([each for each in shared["effects"] if each["verdict"] == verdict]
-                 for verdict in ("kind", "own"))  # fmt: skip
-    return Told(_summary(shared, len(kind)), [_kind(each) for each in kind],
-                [_own(each) for each in own])  # fmt: skip
+    kind, own = (
+        [each for each in shared["effects"] if each["verdict"] == verdict]
+        for verdict in ("kind", "own")
+    )
+    return Told(
+        _summary(shared, len(kind)), [_kind(each) for each in kind], [_own(each) for each in own]
+    )
 
 
 def lines(shared: Mapping[str, Any]) -> list[str]:
@@ -74,8 +77,9 @@ def _kind(one: Mapping[str, Any]) -> Said:
         f"Its size is {_sizes(one)}, the same on all {one['asked_of']} rigs that it applies to.",
         f"Noise alone gives as much to any effect with {p_value(one['p'])}.",
         f"Without {rest['rig']}, which shows most of it, {percent(left)} of the evidence is left.",
-        _alone(one), _tied(one),
-    ]  # fmt: skip
+        _alone(one),
+        _tied(one),
+    ]
     return Said(one["effect"], words.effect(one["effect"]), " ".join(filter(None, sentences)))
 
 
@@ -90,10 +94,10 @@ def _own(one: Mapping[str, Any]) -> Said:
     sentences = [
         first,
         f"The rigs do not agree on its size ({p_value(differ['p'])})."
-        if one["differ"] else
-        f"Without {one['without_largest']['rig']} too little of the evidence is left.",
+        if one["differ"]
+        else f"Without {one['without_largest']['rig']} too little of the evidence is left.",
         _tied(one),
-    ]  # fmt: skip
+    ]
     return Said(one["effect"], words.effect(one["effect"]), " ".join(filter(None, sentences)))
 
 

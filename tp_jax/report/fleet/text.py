@@ -32,6 +32,9 @@ def summary(rows: Sequence[Mapping[str, Any]], shared: Mapping[str, Any] | None 
 
 def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     return (
-        row["rig"], NAMES[row["verdict"]], row["cause"] or MISSING, row["location"] or MISSING,
+        row["rig"],
+        NAMES[row["verdict"]],
+        row["cause"] or MISSING,
+        row["location"] or MISSING,
         percent(row["shrink"]),
-    )  # fmt: skip
+    )

@@ -32,10 +32,14 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     for i, j in np.ndindex(matrix.shape):
         if i != j and abs(matrix[i, j]) >= TOLD:
             axes.text(
-                j, i, f"{matrix[i, j]:.2f}".replace("-", "−"), ha="center", va="center",
+                j,
+                i,
+                f"{matrix[i, j]:.2f}".replace("-", "−"),
+                ha="center",
+                va="center",
                 fontsize=style.FONT_SIZE - 2.5,
                 color="white" if abs(matrix[i, j]) > 0.75 else style.INK,
-            )  # fmt: skip
+            )
     bar = figure.colorbar(image, ax=axes, pad=0.02, fraction=0.04)
     bar.outline.set_visible(False)
     bar.ax.tick_params(labelsize=style.FONT_SIZE, labelcolor=style.INK, length=0.0)

@@ -35,9 +35,14 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
             axes.plot(x, y, marker="o", ms=5, color=style.AFTER, mew=0.0, clip_on=False)
             text = f"{n}: no effect" if x <= LEAST else n
             axes.annotate(
-                text, (x, y), (-5, 5) if i % 2 else (6, -9), textcoords="offset points",
-                ha="right" if i % 2 else "left", fontsize=style.FONT_SIZE, color=style.INK,
-            )  # fmt: skip
+                text,
+                (x, y),
+                (-5, 5) if i % 2 else (6, -9),
+                textcoords="offset points",
+                ha="right" if i % 2 else "left",
+                fontsize=style.FONT_SIZE,
+                color=style.INK,
+            )
         axes.set(xscale="log", yscale="log", xlim=(0.7 * low, high), ylim=(0.7 * low, high))
         axes.set_xlabel("mean size of its effect, μ* [mrad]; dashed: the noise")
         style.title(axes, CHANNELS[c])

@@ -32,9 +32,14 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     if rank < len(names):
         left.axvspan(rank + 0.5, len(names) + 0.5, color=style.BAND, alpha=0.25, lw=0.0)
         left.text(
-            len(names) + 0.4, 2.0, "nothing but rounding", ha="right", va="bottom",
-            fontsize=style.FONT_SIZE, color=style.INK,
-        )  # fmt: skip
+            len(names) + 0.4,
+            2.0,
+            "nothing but rounding",
+            ha="right",
+            va="bottom",
+            fontsize=style.FONT_SIZE,
+            color=style.INK,
+        )
     left.set(yscale="log", ylim=(LEAST, 30.0), xlim=(0.5, len(names) + 0.5))
     left.set_xticks(places)
     left.set_xlabel("singular value, largest first")
@@ -57,9 +62,14 @@ def _directions(axes: Any, directions: list, names: list[str]) -> None:
             y = names.index(n)
             axes.plot(x, y, marker="o", ms=4.0 + 9.0 * abs(c), color=colour, mew=0.0)
             axes.annotate(
-                f"{c:+.2g}".replace("-", "−"), (x, y), (11, 0), textcoords="offset points",
-                va="center", fontsize=style.FONT_SIZE - 1.5, color=style.INK,
-            )  # fmt: skip
+                f"{c:+.2g}".replace("-", "−"),
+                (x, y),
+                (11, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=style.FONT_SIZE - 1.5,
+                color=style.INK,
+            )
     labels = [f"{d['kind']}\n{d['removed_by'] or 'stays unknown'}" for d in directions]
     axes.set_xlim(-0.5, max(len(directions), 1) - 0.3)
     axes.set_xticks(range(len(directions)), labels)

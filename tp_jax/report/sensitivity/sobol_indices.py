@@ -31,23 +31,37 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
         ):
             sizes = [analysis["sobol"][key][c][n] or 0.0 for n in names]
             axes.barh(
-                [y + offset for y in range(len(names))], [max(s, LEAST) for s in sizes],
-                height=0.36, color=colour, label=label, lw=0.0,
-            )  # fmt: skip
+                [y + offset for y in range(len(names))],
+                [max(s, LEAST) for s in sizes],
+                height=0.36,
+                color=colour,
+                label=label,
+                lw=0.0,
+            )
         for y, n in enumerate(names):
             size = totals[c][n] or 0.0
             axes.annotate(
-                _said(size), (max(size, LEAST), y - 0.19), (4, 0), textcoords="offset points",
-                va="center", fontsize=style.FONT_SIZE - 1.5, color=style.INK,
-            )  # fmt: skip
+                _said(size),
+                (max(size, LEAST), y - 0.19),
+                (4, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=style.FONT_SIZE - 1.5,
+                color=style.INK,
+            )
         axes.set_yticks(range(len(names)), names)
         axes.set_xlabel(f"part of the variance of {CHANNELS[c]}")
     grid[0].invert_yaxis()
     handles, labels = grid[0].get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="outside upper left", ncols=2, frameon=False,
-        fontsize=style.FONT_SIZE, labelcolor=style.INK,
-    )  # fmt: skip
+        handles,
+        labels,
+        loc="outside upper left",
+        ncols=2,
+        frameon=False,
+        fontsize=style.FONT_SIZE,
+        labelcolor=style.INK,
+    )
     return figure
 
 

@@ -62,9 +62,15 @@ def _legend(figure: "Figure", order: list[str], colour: Mapping[str, str]) -> No
     if rest:
         handles.append(Patch(color=style.BAND, lw=0.0, label=" ".join(rest)))
     figure.legend(
-        handles=handles, loc="outside upper left", ncols=10, frameon=False,
-        fontsize=style.FONT_SIZE, labelcolor=style.INK, handlelength=1.0, columnspacing=1.2,
-    )  # fmt: skip
+        handles=handles,
+        loc="outside upper left",
+        ncols=10,
+        frameon=False,
+        fontsize=style.FONT_SIZE,
+        labelcolor=style.INK,
+        handlelength=1.0,
+        columnspacing=1.2,
+    )
 
 
 def _size(entry: Mapping[str, Any], name: str) -> float:

@@ -42,9 +42,13 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
         for c, axes in zip(columns, grid[i], strict=True):
             style.dress(axes, grid=None)
             image = axes.imshow(
-                np.maximum(blocks[i, c], LEAST), norm=norm, cmap=style.SCALE, aspect="auto",
-                interpolation="nearest", extent=(t[0], t[-1], len(names) - 0.5, -0.5),
-            )  # fmt: skip
+                np.maximum(blocks[i, c], LEAST),
+                norm=norm,
+                cmap=style.SCALE,
+                aspect="auto",
+                interpolation="nearest",
+                extent=(t[0], t[-1], len(names) - 0.5, -0.5),
+            )
             axes.set_yticks(range(len(names)), names)
             axes.tick_params(axis="y", labelsize=style.FONT_SIZE - 1.5)
             style.title(axes, f"{short(r['recording'])}, {CHANNELS[c]}")
@@ -56,9 +60,10 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     bar.outline.set_visible(False)
     bar.ax.tick_params(labelsize=style.FONT_SIZE, labelcolor=style.INK, length=0.0)
     bar.set_label(
-        "change of the angle for 1 % of the parameter [noise]", size=style.FONT_SIZE,
+        "change of the angle for 1 % of the parameter [noise]",
+        size=style.FONT_SIZE,
         color=style.INK,
-    )  # fmt: skip
+    )
     return figure
 
 

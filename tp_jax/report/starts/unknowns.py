@@ -41,9 +41,15 @@ def unknowns(result: Identification) -> "Figure":
             continue
         ratio = np.maximum(values[:, shown] / best[shown], LEAST)
         axes.plot(
-            ratio.ravel(), np.tile(rows, len(values)), color=color, marker=marker, ls="", ms=size,
-            mew=1.0 if marker == "|" else 0.0, label=label,
-        )  # fmt: skip
+            ratio.ravel(),
+            np.tile(rows, len(values)),
+            color=color,
+            marker=marker,
+            ls="",
+            ms=size,
+            mew=1.0 if marker == "|" else 0.0,
+            label=label,
+        )
     axes.axvline(1.0, color=style.MUTED, lw=0.8, ls="--")
     axes.set_xscale("log")
     axes.set_yticks(rows, names[shown])

@@ -36,14 +36,25 @@ def waterfall(result: Identification) -> "Figure":
     ):
         if chosen.any():
             axes.plot(
-                place[chosen], height[chosen], color=color, marker=marker, ls="", ms=5, mew=0.0,
+                place[chosen],
+                height[chosen],
+                color=color,
+                marker=marker,
+                ls="",
+                ms=5,
+                mew=0.0,
                 label=label,
-            )  # fmt: skip
+            )
     if (~there).any():
         axes.plot(
-            place[~there], np.full((~there).sum(), top), color=style.MUTED, marker="x", ls="",
-            ms=5, label="came to nothing",
-        )  # fmt: skip
+            place[~there],
+            np.full((~there).sum(), top),
+            color=style.MUTED,
+            marker="x",
+            ls="",
+            ms=5,
+            label="came to nothing",
+        )
     axes.axhline(1.0, color=style.MUTED, lw=0.8, ls="--")
     axes.set_yscale("log")
     axes.set_xlabel("start, best first")

@@ -80,8 +80,9 @@ class BaseCompliance(Effect):
     def drawn(self, dice):
         return self._drawn(
             dice.between(0.05, 0.3),
-            W=dice.between(5.0, 20.0), zeta=dice.one_of(0.02, 0.1),
-        )  # fmt: skip
+            W=dice.between(5.0, 20.0),
+            zeta=dice.one_of(0.02, 0.1),
+        )
 
 
 class ElasticStop(Effect):

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from tp_jax.estimation.baseline import Setting, handed_on
+from tp_jax.estimation.baseline import PreparedCampaign, warm_start_states
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.problem import Problem
@@ -41,7 +41,7 @@ class Rung:
     relative: float
 
 
-def rungs(setting: Setting, objective: Objective = "windows") -> tuple[Rung, ...]:
+def rungs(setting: PreparedCampaign, objective: Objective = "windows") -> tuple[Rung, ...]:
     """Returns the rungs from the shortest horizon of a campaign to the longest, for a free run the
     longest alone; the last one again with the sharpest friction."""
     if objective == "free-run":
@@ -57,14 +57,14 @@ def rungs(setting: Setting, objective: Objective = "windows") -> tuple[Rung, ...
     )
 
 
-def _with_sharpest(setting: Setting, *below: Rung) -> tuple[Rung, ...]:
+def _with_sharpest(setting: PreparedCampaign, *below: Rung) -> tuple[Rung, ...]:
     """Rungs and, where the friction can be sharper yet (see `sharpen`), the last one so."""
     if setting.sharpest <= below[-1].eps:
         return below
     return (*below, dataclasses.replace(below[-1], eps=setting.sharpest))
 
 
-def problem_of(setting: Setting, rung: Rung) -> Problem:
+def problem_of(setting: PreparedCampaign, rung: Rung) -> Problem:
     """The windows of a rung."""
     problem = setting.problem(rung.horizon)
     if rung.eps > setting.eps:
@@ -76,12 +76,12 @@ def problem_of(setting: Setting, rung: Rung) -> Problem:
     return of_windows(problem, in_turn(problem.windows, which))
 
 
-class Ladder:
+class Schedule:
     """The rungs of a campaign with a method to fit at each."""
 
     def __init__(
         self,
-        setting: Setting,
+        setting: PreparedCampaign,
         method: Method = fit_projected,
         *,
         objective: Objective = "windows",
@@ -93,15 +93,15 @@ class Ladder:
         self.loss: Loss = loss
         self.rungs = rungs(setting, objective)
 
-    def of(self, setting: Setting) -> "Ladder":
+    def of(self, setting: PreparedCampaign) -> "Schedule":
         """The same for another setting."""
-        return Ladder(setting, self.method, objective=self.objective, loss=self.loss)
+        return Schedule(setting, self.method, objective=self.objective, loss=self.loss)
 
     def first(self, values: Values) -> Fit:
         """The first rung, from any numbers."""
         return self._fit(self.rungs[0], values, None)
 
-    def climb(self, values: Values) -> Fit:
+    def run(self, values: Values) -> Fit:
         """The rungs above the first (it again where there is but one); evaluations are of all."""
         fit, passes = None, 0
         for rung in self.rungs[1:] or self.rungs:
@@ -127,9 +127,15 @@ class Ladder:
             found = settle(problem, values, states, lin, (), loss=self.loss)
             states, passes = found.states, 1.0 + found.passes
         fit = fit_projected(
-            problem, values, unknowns, states, bounds=self.setting.bounds,
-            anchors=self.setting.anchors(), max_iterations=0, loss=self.loss,
-        )  # fmt: skip
+            problem,
+            values,
+            unknowns,
+            states,
+            bounds=self.setting.bounds,
+            priors=self.setting.priors(),
+            max_iterations=0,
+            loss=self.loss,
+        )
         fit.evaluations = int(np.ceil(fit.evaluations + passes))
         return fit
 
@@ -149,12 +155,17 @@ class Ladder:
     ) -> Fit:
         problem = problem_of(self.setting, rung)
         if before is not None:
-            states = handed_on(before, problem)
+            states = warm_start_states(before, problem)
         return self.method(
-            problem, self._smoothed(rung, values), self.setting.unknowns(), states,
-            bounds=self.setting.bounds, anchors=self.setting.anchors(), relative=rung.relative,
+            problem,
+            self._smoothed(rung, values),
+            self.setting.unknowns(),
+            states,
+            bounds=self.setting.bounds,
+            priors=self.setting.priors(),
+            relative=rung.relative,
             loss=self.loss,
-        )  # fmt: skip
+        )
 
     @staticmethod
     def _smoothed(rung: Rung, values: Values) -> Values:
