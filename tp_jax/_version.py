@@ -1,3 +1,3 @@
 """The version of tp_jax, kept here; a test holds CITATION.cff to it."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
