@@ -5,6 +5,7 @@ import numpy as np
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
+from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.fitted import Fit, parameter
 
 NOISE = 1.1  # chi2/dof that noise may have, whose level is an estimate
@@ -20,10 +21,7 @@ def covariance(fit: Fit, setting: PreparedCampaign) -> tuple[np.ndarray, np.ndar
     the sandwich's is an estimate from few blocks. Unknowns at a bound get none (zero rows).
     """
     free = ~fit.at_bound
-    H = fit.information()[np.ix_(free, free)]
-    scale = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    inverse = np.linalg.pinv(H / np.outer(scale, scale), rcond=1e-12, hermitian=True)
-    inverse = inverse / np.outer(scale, scale)
+    inverse = scaled_inverse(fit.information()[np.ix_(free, free)])
     block = blocks_of(fit, setting)
     n = int(block.max()) + 1
     g = np.zeros((n, int(free.sum())))

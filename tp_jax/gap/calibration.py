@@ -13,7 +13,7 @@ import dataclasses
 import numpy as np
 
 from tp_jax.estimation.baseline import PreparedCampaign
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminate, scaled_inverse
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import Linearisation, spread
 from tp_jax.estimation.linearisation import columns as slots_of
@@ -108,10 +108,9 @@ def floor(setting: PreparedCampaign, fit: Fit, held_out: Fit) -> Floor:
     jac = np.concatenate([spread(fit.linearisation, unknowns), shapes], axis=2)
     elim = eliminate(fit.linearisation.r, fit.linearisation.states_jac, jac)
     nb = len(unknowns)
-    H = fit.information()[np.ix_(free, free)]  # priors of the unknowns included
-    scale = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    inverse = np.linalg.pinv(H / np.outer(scale, scale), rcond=1e-12, hermitian=True)
-    follow = -inverse @ (elim.H.sum(axis=0)[:nb, nb:] / scale[:, None]) / scale[:, None]
+    # priors of the unknowns included
+    inverse = scaled_inverse(fit.information()[np.ix_(free, free)])
+    follow = -inverse @ elim.H.sum(axis=0)[:nb, nb:]
     ones = np.ones((fit.problem.windows.n, 2))
     forms, _ = _left(fit.linearisation, jac, follow, ones)
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.baseline import PreparedCampaign
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminate, scaled_inverse
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import spread
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
@@ -120,12 +120,11 @@ def free_scores(setting: PreparedCampaign, fit: Fit, free: FreeColumns) -> FreeS
     prior = np.diag(fit.information() - fit.eliminated.H.sum(axis=0))[moved]
     prior = np.concatenate([prior, np.ones(len(shared) - len(base))])
     shared[np.arange(len(shared)), np.arange(len(shared))] += prior
-    size = np.sqrt(np.maximum(np.diag(shared), 1e-300))
-    inverse = np.linalg.pinv(shared / np.outer(size, size), rcond=1e-12, hermitian=True)
-    across = left.H[:, :q, q:] / size
+    inverse = scaled_inverse(shared)
+    across = left.H[:, :q, q:]
     covariance = H - across @ inverse @ across.transpose(0, 2, 1)
     # the fit knows nothing of the calibration's error: what that explains is taken off here
-    pull = left.g[:, q:].sum(axis=0) / size
+    pull = left.g[:, q:].sum(axis=0)
     pull[: len(base)] = 0.0
     g = g - across @ (inverse @ pull)
     mean = np.einsum("wii->i", H) / fit.problem.windows.n

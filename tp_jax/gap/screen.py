@@ -19,7 +19,7 @@ from tp_jax.effects import AnyLaw, Law, laws
 from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminate, scaled_inverse
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
 from tp_jax.gap import calibration
@@ -173,12 +173,8 @@ def screen(
                 ]
             )
             g[i] = 0.0  # at the optimum the prior balances the data
-    scale = np.sqrt(np.diag(H))
-    scale = np.where(scale > 0, scale, 1.0)
-    Hbb = H[:nb, :nb] / np.outer(scale[:nb], scale[:nb])
-    Hbe = H[:nb, nb:] / scale[:nb, None]
-    inverse = np.linalg.pinv(Hbb, rcond=1e-12, hermitian=True)
-    gain = inverse @ Hbe / scale[:nb, None]
+    covariance = scaled_inverse(H[:nb, :nb])
+    gain = covariance @ H[:nb, nb:]
     V = H[nb:, nb:] - H[nb:, :nb] @ gain
     V = 0.5 * (V + V.T)
     score = elim.g[:, nb:] - elim.g[:, :nb] @ gain  # (w, E)
@@ -212,7 +208,6 @@ def screen(
                 limits,
             )
         )
-    covariance = inverse / np.outer(scale[:nb], scale[:nb])
     rounded = rounding(fit, setting, jac, elim.state_gain, follow, block)
     return Screen(tuple(scored), V, joint, missing, total, covariance, rounded)
 
