@@ -1,9 +1,12 @@
 """Laws that nobody wrote down: what ranks them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
 
+from tp_jax.gap import learned
 from tp_jax.gap.learned import log_evidence
 
 RNG = np.random.default_rng(3)
@@ -31,3 +34,28 @@ def test_twelve_numbers_are_charged_for_what_they_could_have_taken():
     V = np.diag(np.full(12, 1e4))
     found = [log_evidence(100.0 * RNG.normal(size=12), V, np.eye(12)) for _ in range(50)]
     assert max(found) < 0.0
+
+
+class Left:
+    """A fit, as far as one asks what it leaves beyond the noise."""
+
+    dof, chi2_dof = 1000, 1.0
+
+    def __init__(self, beyond):
+        r = np.zeros((1, 6))
+        r[0, 0] = np.sqrt(self.dof + beyond)
+        self.linearisation = SimpleNamespace(r=r)
+
+
+@pytest.mark.parametrize(("left", "asked"), [(100.0, False), (900.0, False), (2000.0, True)])
+def test_a_formula_that_takes_nearly_all_is_not_replaced(left, asked, monkeypatch):
+    """Of a gap of 100,000 a hundredth may be the smoothing's, though it is far above the noise."""
+    calls = []
+    monkeypatch.setattr(learned, "polish", lambda setting, result: result)
+    monkeypatch.setattr(learned, "_tried", lambda *args: calls.append(args) or [])
+    best = SimpleNamespace(fit=Left(left), ids=("spring_hardening",))
+    seen = SimpleNamespace(scored=())
+    searched = Left(100_000.0)
+    r = SimpleNamespace(refits={"a": best}, searched=searched, before=searched, screen=seen)
+    assert learned._alone(None, r, lambda *_: None, None) == []
+    assert bool(calls) == asked

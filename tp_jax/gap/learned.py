@@ -90,11 +90,12 @@ def _alone(
 ) -> list[_Trial]:
     """The law that leaves noise alone where every formula leaves more, or none."""
     best = min(r.refits.values(), key=lambda x: removable(x.fit), default=Refit(r.searched, ()))
-    if removable(best.fit) < _worth_asking(best.fit):
+    little = POLICY.learning.rest * removable(r.searched)
+    if removable(best.fit) < max(_worth_asking(best.fit), little):
         return []
     if best.ids:  # a refit ends early, so that a formula that is right leaves more than noise
         best = polish(setting, best)
-        if removable(best.fit) < _worth_asking(best.fit):
+        if removable(best.fit) < max(_worth_asking(best.fit), little):
             return []
     drop = max((s.drop for s in r.screen.scored), default=0.0)
     promised = drop / (2.0 * max(r.before.chi2_dof, 1.0))

@@ -185,6 +185,9 @@ class LearningPolicy:
         part: of what the best formula leaves beyond the noise that a law may leave to be taken
             before a second formula is sought: more may be what both leave to the friction's
             smoothing.
+        rest: part of the gap that the best formula may leave before a law is asked first. Of many
+            samples even a hundredth of a large gap is far above the noise, and it may be what the
+            friction's smoothing does; what is really there is sought in addition to that formula.
         outside: part of the held-out samples beyond a curve's range from which a note says so; a
             run overshoots those beside it by a sample or two.
         elsewhere: part of the held-out recording's samples beyond it from which another recording
@@ -196,6 +199,7 @@ class LearningPolicy:
     deviance: float = 64.0
     chance: float = 3.0
     part: float = 0.5
+    rest: float = 0.01
     outside: float = 0.01
     elsewhere: float = 0.05
 
