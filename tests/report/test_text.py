@@ -112,7 +112,7 @@ def test_many_causes_and_long_sentences_fit(made):
 def test_groups_beyond_those_shown_are_counted(made, groups, end):
     diagnosis = made("explained")
     diagnosis["confused_with"] = [["sensor1_eccentricity", "sensor1_nonlinearity"]] * groups
-    lines = [line for line in summary(diagnosis).splitlines() if "Not told apart" in line]
+    lines = [line for line in summary(diagnosis).splitlines() if "cannot tell apart" in line]
     assert len(lines) == 2
     assert lines[-1].endswith(end)
 

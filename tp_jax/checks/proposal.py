@@ -235,13 +235,13 @@ def _guess(file: Path, seen: Survey) -> tuple[Driven, str]:
     decay = any(word in file.name.lower() for word in _DECAYS)
     if moves is None and not decay:
         return Driven("decay"), (
-            "its rows do not tell; write forced = true and its omega if the motor ran"
+            "nothing shows how it was driven; write forced = true and its omega if the motor ran"
         )
     if decay or moves is None or moves.lasts < STEADY:
-        keeps = "" if moves is None else f"it keeps {moves.lasts:.0%} of its swing: a free decay?"
+        keeps = "" if moves is None else f"guessed: its swing falls to {moves.lasts:.0%}"
         return Driven("decay"), keeps
     return Driven("commanded", moves.omega), (
-        f"rad/s, as it moves ({moves.share:.0%} of it); write what was commanded"
+        f"rad/s, guessed: {moves.share:.0%} of the motion is at it; write the commanded one"
     )
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "check",
-        help="tell all that is wrong or doubtful about recordings",
+        help="list every fault of recordings, and how to mend it",
         description=(
             "Reads a campaign and tells all faults at once: files, units, frequencies, encoders "
             "that start anew, angles measured against the base, sampling, clipping. Fits nothing. "
@@ -59,10 +59,11 @@ def _told(checked: "Checked") -> list[str]:
     if campaign is None:
         return lines
     if checked.shares:
+        n, least = len(checked.shares), min(int(100.0 * min(checked.shares.values())), 99)
+        they = "The forced run moves" if n == 1 else f"All {n} forced runs move"
         lines.append(
-            f"{min(checked.shares.values()):.1%} or more of phi1's motion is at its omega and two "
-            f"harmonics in {len(checked.shares)} forced "
-            f"{'run' if len(checked.shares) == 1 else 'runs'}."
+            f"{they} at the omega that is given: at least {least}% of phi1's motion is there, or at "
+            "two harmonics of it."
         )
     n = len(campaign.recordings)
     read = f"{n} recording{'' if n == 1 else 's'} of {campaign.name} read"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "effects",
-        help="list the effects that a diagnosis knows, or tell about one",
+        help="list the effects that a diagnosis knows, or describe one",
         description=(
             "Lists the catalogue of effects, those of installed plug-ins among them; with an ID "
             "tells what it does, its formula, how it looks, and what to do about it at the rig."

@@ -45,7 +45,7 @@ def coloured(found: Found) -> "Text":
             one.stylize(_HEADINGS[diagnosis.verdict or "unknown"])
         elif line.startswith(_TABLE_HEADS):
             one.stylize("dim")
-        elif line.startswith(("Not told apart:", "Next:", "What to do:")):
+        elif line.startswith(("These recordings cannot tell apart:", "Next:", "What to do:")):
             one.stylize("bold", 0, line.index(":"))
         one.highlight_words(diagnosis.causes, "cyan")
         one.highlight_regex(_STRONG, "bold")

@@ -92,7 +92,7 @@ def _last(diagnosis: DiagnosisRecord) -> list[str]:
     # what a cause is not told from stands beside it
     groups = [group for group in diagnosis.groups if not {*diagnosis.causes} & {*group}]
     for group in groups[:_MOST_GROUPS]:
-        lines.append(_line("Not told apart: " + ", ".join(group)))
+        lines.append(_line("These recordings cannot tell apart: " + ", ".join(group)))
     if len(groups) > _MOST_GROUPS:
         more = len(groups) - _MOST_GROUPS
         lines[-1] = _line(f"{lines[-1]}; and {more} more group{'s' if more > 1 else ''}")
