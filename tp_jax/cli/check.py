@@ -62,8 +62,8 @@ def _told(checked: "Checked") -> list[str]:
         n, least = len(checked.shares), min(int(100.0 * min(checked.shares.values())), 99)
         they = "The forced run moves" if n == 1 else f"All {n} forced runs move"
         lines.append(
-            f"{they} at the omega that is given: at least {least}% of phi1's motion is there, or at "
-            "two harmonics of it."
+            f"{they} at the omega that is given: at least {least}% of phi1's motion is there, or "
+            "at two harmonics of it."
         )
     n = len(campaign.recordings)
     read = f"{n} recording{'' if n == 1 else 's'} of {campaign.name} read"
