@@ -9,7 +9,7 @@ learned, visited            laws that nobody wrote down, where the causes leave 
 law_curve, short_formula    what is told of such a law
 known_noise                 the causes under the noise that they leave
 held_out, free_run          what is left on data no choice has touched
-location, detectability, intervals, experiment, verdict
+location, detectability, experiment, verdict
 tables, assemble            the result, table by table
 diagnosis                   all of it together
 predict                     a run never seen
