@@ -6,6 +6,7 @@ import json
 import pickle
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scripts._attack.documents import mutated
@@ -16,7 +17,7 @@ from tp_jax.errors import InputError
 from tp_jax.gap.diagnosis import Diagnosis
 from tp_jax.report import summary
 from tp_jax.results import diagnosis as types
-from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Gap
+from tp_jax.results.diagnosis import VERSION, Cause, DiagnosisRecord, Gap
 from tp_jax.results.encoding import Record, schema_of
 
 TESTS = Path(__file__).parent.parent
@@ -125,3 +126,29 @@ def test_a_diagnosis_does_what_can_be_done_with_it(tmp_path):
     assert "<table>" not in Diagnosis.read({})._repr_html_()
     run = found.predict(omega=13.0, duration=0.2, rate=50.0)
     assert run.phi1.shape == (11,)
+
+
+def test_a_dictionary_is_read_and_not_taken_for_a_field():
+    with pytest.raises(TypeError):
+        DiagnosisRecord({"schema": VERSION})
+    with pytest.raises(TypeError, match="read from a dictionary, not from str"):
+        DiagnosisRecord.read("diagnosis.json")
+
+
+def test_defaults_are_nobody_elses():
+    one, other = DiagnosisRecord(), DiagnosisRecord()
+    one.provenance.data_sha256["run.csv"] = "0"
+    assert other.provenance.data_sha256 == {}
+
+
+def test_text_may_begin_with_a_mark_and_a_path_with_a_brace(tmp_path):
+    text = json.dumps({"schema": VERSION, "campaign": "rig"})
+    assert DiagnosisRecord.from_json("\ufeff" + text, fits=False).campaign == "rig"
+    file = tmp_path / "{rig}.json"
+    file.write_text(text, encoding="utf-8")
+    assert DiagnosisRecord.from_json(file, fits=False).campaign == "rig"
+
+
+def test_numbers_of_numpy_count():
+    found = DiagnosisRecord.read({"gap": {"shrink": np.float32(0.5)}})
+    assert found.gap.shrink == 0.5

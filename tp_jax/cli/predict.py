@@ -1,6 +1,7 @@
 """tp-jax predict: what a run never seen will look like, by a diagnosis's model."""
 
 import argparse
+from pathlib import Path
 
 from tp_jax.cli.arguments import add_common, add_overwrite, angle, frequency, positive, sample_count
 from tp_jax.cli.output import ready, write_trajectory
@@ -48,7 +49,7 @@ def run(args: argparse.Namespace) -> None:
 
     from tp_jax.results.diagnosis import DiagnosisRecord
 
-    diagnosis = DiagnosisRecord.from_json(args.diagnosis).to_dict()
+    diagnosis = DiagnosisRecord.from_json(Path(args.diagnosis)).to_dict()
     if args.recording is not None:
         _check_length(args)
 

@@ -26,8 +26,8 @@ class Identification(IdentificationRecord):
     fit: the best, at the longest horizon. trials: all starts, in order. Neither is in `to_dict`.
     """
 
-    fit: Fit = dataclasses.field(metadata={"key": None})
-    trials: tuple[Trial, ...] = dataclasses.field(default=(), metadata={"key": None})
+    fit: Fit = dataclasses.field(compare=False, metadata={"key": None})
+    trials: tuple[Trial, ...] = dataclasses.field(default=(), compare=False, metadata={"key": None})
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value:.4g}" for name, value in self.parameters.items())

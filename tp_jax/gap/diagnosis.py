@@ -34,7 +34,7 @@ from tp_jax.results.diagnosis import DiagnosisRecord, Provenance
 from tp_jax.simulation.solve import Trajectory
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Diagnosis(DiagnosisRecord):
     """Result of `diagnose`: the contents of diagnosis.json, and what can be made of them."""
 

@@ -53,6 +53,11 @@ def predict(
     given = [x is not None for x in (omega, phi1, recording)]
     if sum(given) != 1:
         raise InputError("A prediction needs exactly one of omega, phi1 and recording.")
+    if model not in (None, "before", "after"):
+        raise InputError(f"A prediction is by the model 'before' or 'after', not {model!r}.")
+    for name, x in (("duration", duration), ("rate", rate)):
+        if x is not None and not 0.0 < x < np.inf:
+            raise InputError(f"The {name} of a prediction must be above zero, but is {x:g}.")
     diagnosis = found if isinstance(found, Mapping) else found.to_dict()
     try:
         if model is None:

@@ -365,7 +365,7 @@ class Provenance(Record):
     wall_s: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DiagnosisRecord(Record):
     """A diagnosis as diagnosis.json has it.
 
@@ -389,7 +389,7 @@ class DiagnosisRecord(Record):
     verdict: Verdict | None = None
     noise_floor: dict[str, float | None] = field(default_factory=dict)
     noise: dict[str, ChannelNoise] = field(default_factory=dict)
-    noise_floor_parts: FloorParts = FloorParts()
+    noise_floor_parts: FloorParts = field(default_factory=FloorParts)
     gap: Gap = field(default_factory=Gap)
     where: tuple[Location, ...] = ()
     accepted: tuple[Cause, ...] = field(default=(), metadata={"key": "causes"})
@@ -405,7 +405,7 @@ class DiagnosisRecord(Record):
     curves: tuple[HeldOutRun, ...] = ()
     residuals: tuple[HeldOutRun, ...] = ()
     notes: tuple[str, ...] = ()
-    provenance: Provenance = Provenance()
+    provenance: Provenance = field(default_factory=Provenance)
 
     @classmethod
     def from_json(cls, source: str | os.PathLike[str], *, fits: bool = True) -> Self:
@@ -419,9 +419,9 @@ class DiagnosisRecord(Record):
             InputError: it cannot be read, is of another version, or a field is not what it must
                 be; the sentence names the field.
         """
-        text = isinstance(source, str) and source.lstrip().startswith("{")
+        text = isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("{")
         name = "The diagnosis" if text else os.fspath(source)
-        content = json_of(str(source), name) if text else read_json(name)
+        content = json_of(str(source).removeprefix("\ufeff"), name) if text else read_json(name)
         check_version(content, VERSION, name, "a diagnosis", "diagnose the campaign again")
         check(content, SCHEMA if fits else WITHOUT_FITS, name)
         return cls.from_dict(content)
@@ -477,9 +477,12 @@ WITHOUT_FITS: dict[str, Any] = {
     **schema_of(DiagnosisRecord),
 }
 """The JSON schema of a diagnosis that is only looked at."""
-WITHOUT_FITS["properties"]["fits"] = schema_of(Fits)  # null is none
 
-SCHEMA = {**WITHOUT_FITS, "required": ["fits"]}
+SCHEMA = {
+    **WITHOUT_FITS,
+    "properties": {**WITHOUT_FITS["properties"], "fits": schema_of(Fits)},  # null is none
+    "required": ["fits"],
+}
 """The JSON schema of diagnosis.json."""
 
 Found = DiagnosisRecord | Mapping[str, Any]

@@ -6,6 +6,7 @@ A field that was not given to a type's constructor is no key of its JSON, as wit
 
 import dataclasses
 import math
+import numbers
 from collections.abc import Mapping
 from functools import cache
 from types import NoneType, UnionType
@@ -61,8 +62,18 @@ class Record:
 
         What does not fit its type counts as missing, and so does a part that lacks what it cannot
         be without; unknown keys are left out.
+
+        Raises:
+            TypeError: it is neither.
         """
-        return cls.from_dict(found) if isinstance(found, Mapping) else found
+        if isinstance(found, cls):
+            return found
+        if isinstance(found, Record):
+            found = found.to_dict()
+        if not isinstance(found, Mapping):
+            kind = type(found).__name__
+            raise TypeError(f"{cls.__name__} is read from a dictionary, not from {kind}.")
+        return cls.from_dict(found)
 
 
 def schema_of(kind: Any) -> dict[str, Any]:
@@ -158,6 +169,8 @@ def _decoded(kind: Any, value: Any) -> Any:
         except TypeError:
             return _UNFIT
     if kind in (float, int):
+        if isinstance(value, numbers.Real) and not isinstance(value, bool | int | float):
+            value = int(value) if isinstance(value, numbers.Integral) else float(value)  # NumPy's
         return value if _is_number(value) else _UNFIT
     return value if kind in (str, bool) and isinstance(value, kind) else _UNFIT
 

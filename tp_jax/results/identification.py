@@ -85,4 +85,4 @@ class IdentificationRecord(Record):
     starts: tuple[StartRecord, ...]
     success: SuccessRecord
     warnings: tuple[Warned, ...]
-    provenance: IdentifyProvenance = IdentifyProvenance()
+    provenance: IdentifyProvenance = field(default_factory=IdentifyProvenance)

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from tp_jax.report import layout, style
+from tp_jax.report.formatting import bounds
 from tp_jax.results.diagnosis import Cause, Curve, DiagnosisRecord, Found
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ _HISTOGRAM = 0.3  # of the curve's height
 def shown(diagnosis: DiagnosisRecord) -> list[tuple[Cause, Curve]]:
     """The causes that have a curve."""
     found = [(cause, cause.curve) for cause in diagnosis.accepted]
-    return [(cause, curve) for cause, curve in found if curve is not None and curve.x]
+    return [(cause, curve) for cause, curve in found if curve and 0 < len(curve.x) == len(curve.y)]
 
 
 def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | None":
@@ -35,8 +36,9 @@ def draw(found: Found, index: int = 0, width: float = style.WIDE) -> "Figure | N
     rows = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, _HISTOGRAM])
     for axes in rows:
         style.dress(axes)
-    if len(curve.ci95) == len(curve.x):
-        low, high = zip(*curve.ci95, strict=True)
+    band = [ends for each in curve.ci95 if (ends := bounds(each)) is not None]
+    if len(band) == len(curve.x):
+        low, high = zip(*band, strict=True)
         rows[0].fill_between(curve.x, low, high, color=style.BAND, alpha=0.35, lw=0.0, label="95 %")
     rows[0].plot(curve.x, curve.y, color=style.AFTER, lw=1.4, label="learned")
     rows[0].margins(x=0.0)
