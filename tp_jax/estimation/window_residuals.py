@@ -43,14 +43,14 @@ class Unfolded(NamedTuple):
     weights of the noise's whitening (see `_whitened`); block: the data.
     """
 
-    recording: Int[Array, " L"]
-    states: Float[Array, "L W 4"]
-    gain: Float[Array, "L W 4 u"]
-    window: Int[Array, "n L"]
-    there: Bool[Array, "L W"]
-    previous: Float[Array, "n 2 L"]
-    before: Float[Array, "n 2 L"]
-    scale: Float[Array, "n 2 L"]
+    recording: Int[AnyArray, " L"]
+    states: Float[AnyArray, "L W 4"]
+    gain: Float[AnyArray, "L W 4 u"]
+    window: Int[AnyArray, "n L"]
+    there: Bool[AnyArray, "L W"]
+    previous: Float[AnyArray, "n 2 L"]
+    before: Float[AnyArray, "n 2 L"]
+    scale: Float[AnyArray, "n 2 L"]
     block: Block
 
 
@@ -156,8 +156,8 @@ class WindowResiduals(eqx.Module):
         return jnp.where(kinked[..., None, None], held, gain)
 
     def _best_states(
-        self, p: Float[Array, "P L"], states: Float[Array, "L W 4"], b: Unfolded
-    ) -> Float[Array, "L W 4"]:
+        self, p: Float[Array, "P L"], states: Float[AnyArray, "L W 4"], b: Unfolded
+    ) -> Float[AnyArray, "L W 4"]:
         """States (L, W, 4) from which no window gains much: Gauss-Newton steps, each its own.
 
         A step that was refused tells the slope behind a kink, if there is one; the next one goes
@@ -212,7 +212,7 @@ class WindowResiduals(eqx.Module):
     def _pass(
         self,
         p: Float[Array, "P L"],
-        states: Float[Array, "L W 4"],
+        states: Float[AnyArray, "L W 4"],
         b: Unfolded,
         directions: Int[Array, " d"],
     ) -> "_Seen":
@@ -382,7 +382,7 @@ def _unfolded(
             rho, theta, innovation = colour.innovations(size)
             previous[span, c, lane], before[span, c, lane] = rho, theta
             scale[span, c, lane] = innovation
-    return Unfolded(  # type: ignore[arg-type]
+    return Unfolded(
         recording,
         start,
         follow,
@@ -391,5 +391,5 @@ def _unfolded(
         previous,
         before,
         scale,
-        block,  # type: ignore[arg-type]
+        block,
     )
