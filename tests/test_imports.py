@@ -108,10 +108,9 @@ OPTIONAL = {
     "distributed",
     "submitit",
 }
-#: JAX, which is told to compute in 64 bits before it is loaded, and what is built on it.
+#: JAX, whose settings come before it is loaded, and what is built on it.
 WITH_JAX = {
     "jax",
-    "tp_jax._float64",
     "diffrax",
     "tp_jax.simulation.rodas4",
     "tp_jax.simulation.reversal_controller",

@@ -6,8 +6,8 @@
     diagnosis = tp.diagnose(campaign)       # where the gap lies, its cause, how far it shrinks
     print(diagnosis.summary())
 
-The names below are looked up when first used, so that `import tp_jax` costs nothing and JAX is
-told to compute in 64 bits before any of its arrays exists.
+The names below are looked up when first used, so that `import tp_jax` costs nothing. The modules
+that compute tell JAX to use 64 bits (`tp_jax._float64`).
 
 Data flows one way through the package:
 
@@ -125,10 +125,6 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _WITH_JAX:
-        if name != "enable_compilation_cache":  # which comes before JAX
-            from tp_jax._float64 import use_float64
-
-            use_float64()
         module, attribute = _WITH_JAX[name]
     elif name in _WITHOUT_JAX:
         module, attribute = _WITHOUT_JAX[name]

@@ -5,13 +5,6 @@ directly has the same precision as one that writes `tp.diagnose`; `import tp_jax
 and sets nothing.
 """
 
+import jax
 
-def use_float64() -> None:
-    """Let JAX compute in 64 bits."""
-    import jax
-
-    if not jax.config.read("jax_enable_x64"):
-        jax.config.update("jax_enable_x64", True)
-
-
-use_float64()
+jax.config.update("jax_enable_x64", True)

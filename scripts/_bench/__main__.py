@@ -8,7 +8,6 @@ from pathlib import Path
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
 from tp_jax._config import cache_folder
-from tp_jax._float64 import use_float64
 
 # before Numba is imported: what it compiles belongs beside what JAX compiles
 os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder().parent / "numba"))
@@ -98,7 +97,7 @@ def _listed(known: Sequence[str]):
 
 def _bench(args: argparse.Namespace) -> int:
     folder = made_folder(args.out)
-    use_float64()  # and no other setting: in a plain process, as a user has it
+    import tp_jax._float64  # noqa: F401  # no other setting: a plain process, as a user has it
 
     from . import machine, peers, problem, table
     from .bench import TARGET, Bench

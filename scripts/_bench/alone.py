@@ -13,7 +13,6 @@ from pathlib import Path
 
 os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see tp_jax._config
 
-from tp_jax._float64 import use_float64
 
 FEW = 256
 """Lanes of the sweep that costs are relative to."""
@@ -40,7 +39,7 @@ def sweep_alone(lanes: int, eps: float, tol: float, duration: float) -> dict:
 
 def _here(lanes: int, eps: float, tol: float, duration: float) -> dict:
     """Two lanes first, to see what the program itself takes."""
-    use_float64()
+    import tp_jax._float64  # noqa: F401
 
     from .peers import ours
     from .problem import sweep, times

@@ -10,7 +10,6 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 
 from scripts._carried_out import carried_out
 from tp_jax._config import compile_small_loops, enable_compilation_cache
-from tp_jax._float64 import use_float64
 from tp_jax.cli.arguments import Parser, add_seed
 from tp_jax.cli.output import made_folder, write_json
 
@@ -39,7 +38,8 @@ def _parser() -> Parser:
 def _paper(args: Any) -> int:
     folder = made_folder(args.out)
     compile_small_loops()
-    use_float64()
+    import tp_jax._float64  # noqa: F401
+
     enable_compilation_cache()
 
     from scripts._paper import section_5_1, section_5_2, table, truth

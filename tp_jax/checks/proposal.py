@@ -238,7 +238,7 @@ def _guess(file: Path, seen: Survey) -> tuple[Driven, str]:
             "nothing shows how it was driven; write forced = true and its omega if the motor ran"
         )
     if decay or moves is None or moves.lasts < STEADY:
-        keeps = "" if moves is None else f"guessed: its swing falls to {moves.lasts:.0%}"
+        keeps = "" if moves is None else f"guessed: {moves.lasts:.0%} of its swing is left"
         return Driven("decay"), keeps
     return Driven("commanded", moves.omega), (
         f"rad/s, guessed: {moves.share:.0%} of the motion is at it; write the commanded one"

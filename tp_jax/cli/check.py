@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "check",
-        help="list every fault of recordings, and how to mend it",
+        help="list faults of recordings, and how to mend them",
         description=(
             "Reads a campaign and tells all faults at once: files, units, frequencies, encoders "
             "that start anew, angles measured against the base, sampling, clipping. Fits nothing. "
@@ -60,10 +60,10 @@ def _told(checked: "Checked") -> list[str]:
         return lines
     if checked.shares:
         n, least = len(checked.shares), min(int(100.0 * min(checked.shares.values())), 99)
-        they = "The forced run moves" if n == 1 else f"All {n} forced runs move"
+        where = "the forced run" if n == 1 else f"each of {n} forced runs"
         lines.append(
-            f"{they} at the omega that is given: at least {least}% of phi1's motion is there, or "
-            "at two harmonics of it."
+            f"In {where} at least {least}% of phi1's motion is at the omega that is given, or at "
+            "two harmonics of it."
         )
     n = len(campaign.recordings)
     read = f"{n} recording{'' if n == 1 else 's'} of {campaign.name} read"
