@@ -105,7 +105,7 @@ def _rig(number: int, args: Any) -> dict[str, Any]:
     import numpy as np
 
     import tp_jax as tp
-    from tp_jax.estimation.baseline import prepare_campaign
+    from tp_jax.estimation.prepared_campaign import prepare_campaign
     from tp_jax.identifiability.profile_likelihood import profiles
     from tp_jax.rig import make_campaign
     from trials.draw import draw_rig

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from tp_jax.effects import catalogue, get, laws
-from tp_jax.estimation.baseline import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.layout import Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.held_out import HeldOut, evaluate
 from trials.kept import kept

@@ -15,8 +15,8 @@ from scripts._evidence.screens import Saved, Variant
 from tp_jax.executors import ExecutorChoice, Piece, run_pieces
 
 if TYPE_CHECKING:
-    from tp_jax.estimation.baseline import PreparedCampaign
     from tp_jax.estimation.fitted import Fit
+    from tp_jax.estimation.prepared_campaign import PreparedCampaign
     from tp_jax.gap.screen import Screen
     from tp_jax.gap.structure import Structure
 
@@ -139,7 +139,8 @@ def save(folder: Path, number: int, rigs: str) -> float:
 
 def first_screen(campaign: Path) -> tuple["PreparedCampaign", "Fit", "Screen", "Structure"]:
     """A campaign as the first round of its diagnosis sees it."""
-    from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
+    from tp_jax.estimation.baseline import fit_over_schedule, initial_values
+    from tp_jax.estimation.prepared_campaign import prepare_campaign
     from tp_jax.gap.choice import looked_at
     from tp_jax.gap.known_noise import with_noise_of
     from tp_jax.gap.policy import POLICY

@@ -9,13 +9,9 @@ import numpy as np
 
 from scripts._paper.nelder_mead import Searched
 from scripts._paper.objective import ORDER, Objective
-from tp_jax.estimation.baseline import (
-    PreparedCampaign,
-    fit_over_schedule,
-    initial_values,
-    prepare_campaign,
-)
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.recordings import Campaign, Recording
 

@@ -10,8 +10,8 @@ from tests.reference import BENCH, reference
 from tests.rigs import CAPACITY, prepared
 from tp_jax.effects import Applied, catalogue, get
 from tp_jax.estimation.assemble import drive_for, pendulum
-from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.layout import Layout, Values
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.program import TRACES
 from tp_jax.estimation.windows import cut, read_later

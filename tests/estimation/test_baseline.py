@@ -8,13 +8,8 @@ import pytest
 from tests.reference import BENCH
 from tests.rigs import lossy, synthetic_campaign
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.baseline import (
-    _slower,
-    few_of,
-    fit_over_schedule,
-    initial_values,
-    prepare_campaign,
-)
+from tp_jax.estimation.baseline import _slower, few_of, fit_over_schedule, initial_values
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.recordings import Campaign, Recording, load_campaign
 from tp_jax.rig import make_campaign
 from trials.draw import draw_rig

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.rigs import lossy, synthetic_campaign, synthetic_values
-from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.free_runs import FreeRuns, first_state
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 
 
 @pytest.fixture(scope="module")

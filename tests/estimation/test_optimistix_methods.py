@@ -6,10 +6,10 @@ import pytest
 
 from tests.rigs import synthetic_campaign
 from tp_jax.estimation import optimistix_methods, variable_projection
-from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import parameter
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import Schedule, problem_of
 from tp_jax.estimation.weak_form import WeakForm
 from tp_jax.estimation.window_residuals import window_residuals

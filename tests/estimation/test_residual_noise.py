@@ -7,7 +7,8 @@ import pytest
 from scipy import signal
 
 from tests import noisy
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.residual_noise import (
     with_residual_noise,
     without_residual_noise,

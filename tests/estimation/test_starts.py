@@ -8,7 +8,7 @@ import pytest
 from tests.reference import BENCH
 from tests.rigs import synthetic_campaign
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import prepare_campaign
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.starts import SAMPLINGS, Axis, axes, points, starts
 from tp_jax.model.parameters import BY_NAME
 

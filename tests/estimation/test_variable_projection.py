@@ -8,9 +8,9 @@ import pytest
 
 from tests.rigs import synthetic_campaign
 from tp_jax.estimation import least_squares, variable_projection
-from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.linearisation import spread
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import Schedule, problem_of
 from tp_jax.estimation.weak_form import WeakForm
 from tp_jax.estimation.window_states import costs, in_turn, of_windows, settle, steps_along_kinks

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.rigs import bench_problem, choose, lossy, prepared, synthetic_campaign, synthetic_values
-from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.free_runs import FreeRuns
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.windows import Prepared, cut, prepare
 from tp_jax.recordings import stretches
 

@@ -13,10 +13,10 @@ import pytest
 
 from tests.rigs import synthetic_campaign
 from tp_jax.effects import get
-from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.linearisation import Linearisation
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.gap.calibration import columns, floor, noise_alone
 from tp_jax.gap.choice import _worth_refitting
 from tp_jax.gap.held_out import HeldOut, shrink

@@ -5,9 +5,10 @@ import types
 import numpy as np
 import pytest
 
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.linearisation import Linearisation
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.gap.forecast import Alternative, _left, forecasts, natural_frequency
 from tp_jax.gap.next_run import NOTHING, Run
 from tp_jax.gap.refit import Refit

@@ -8,8 +8,8 @@ import pytest
 from tests.rigs import lossy, synthetic_campaign, synthetic_values
 from tp_jax.effects import catalogue
 from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
-from tp_jax.estimation.baseline import prepare_campaign
 from tp_jax.estimation.layout import SENSORS
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.recordings import stretches
 from tp_jax.simulation import simulate

@@ -11,7 +11,7 @@ from tests.rigs import synthetic_campaign, synthetic_values
 from tp_jax.effects import catalogue
 from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
-from tp_jax.estimation.baseline import prepare_campaign
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.recordings import write_csv
 
 ZERO1, ZERO2 = 0.05, -0.02  # rad

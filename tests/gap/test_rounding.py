@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from tests import noisy
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values, prepare_campaign
+from tp_jax.estimation.baseline import fit_over_schedule, initial_values
+from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.gap.known_noise import with_noise_of
 from tp_jax.gap.policy import POLICY

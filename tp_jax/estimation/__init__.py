@@ -2,7 +2,8 @@
 
 layout, program, windows, problem    what is estimated, and its one compiled linearisation
                                      (linearisation, placement, program_choice, two_threads)
-start, period, baseline              a start from the data, windows that grow
+prepared_campaign                    noise, layout, window lengths, priors: what fits begin with
+start, period, baseline              a start from the data, a schedule of window lengths
 weak_form                            a better start: no derivatives of the data (modulating,
                                      compensated)
 fitted                               where a fit ended, and its priors

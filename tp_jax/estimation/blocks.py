@@ -6,8 +6,8 @@ are not.
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 
 BLOCK = 2.0  # periods of the motion, so that a rig's time scale changes nothing
 

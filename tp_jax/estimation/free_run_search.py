@@ -12,11 +12,11 @@ import numpy as np
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import parameter
 from tp_jax.estimation.free_runs import FreeRuns
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.nelder_mead import NelderMead, Searched, minimise_many
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.simplex import Simplex, initial_simplex
 from tp_jax.model.parameters import NUISANCES
 from tp_jax.simulation.batch import threads_worthwhile

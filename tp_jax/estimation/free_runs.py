@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Layout, Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.windows import Prepared
 from tp_jax.model.arrays import AnyArray
 from tp_jax.model.drive import LanewiseDrive, PiecewiseCubicDrive

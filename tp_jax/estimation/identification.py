@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax._digits import digits_of
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.multistart import Trial
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.model.parameters import BASE
 from tp_jax.results.identification import (
     IdentificationRecord,

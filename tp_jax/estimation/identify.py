@@ -12,7 +12,6 @@ from tp_jax._blas import one_blas_thread
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
 from tp_jax.estimation import methods
-from tp_jax.estimation.baseline import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.checkpoint import Checkpoint
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.free_run_search import ITERATIONS
@@ -27,6 +26,7 @@ from tp_jax.estimation.intervals import correlations
 from tp_jax.estimation.multistart import Trial, search
 from tp_jax.estimation.noise_levels import fitted_noise, with_noise
 from tp_jax.estimation.optimistix_methods import Solver
+from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.ridges import intervals_over_ridges
 from tp_jax.estimation.robust import LOSSES, Loss
 from tp_jax.estimation.schedule import Objective, Schedule

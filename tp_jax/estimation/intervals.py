@@ -3,10 +3,10 @@
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.fitted import Fit, parameter
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 
 NOISE = 1.1  # chi2/dof that noise may have, whose level is an estimate
 CHANCE = 0.01  # that blocks of noise scatter so much that it counts as more

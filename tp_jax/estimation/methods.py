@@ -4,8 +4,8 @@ import functools
 
 from tp_jax.errors import InputError
 from tp_jax.estimation import optimistix_methods, variable_projection
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.optimistix_methods import SOLVER_KINDS, Solver
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.schedule import Method, Objective, problem_of, rungs
 
 LEAST_SQUARES, NELDER_MEAD = "least-squares", "nelder-mead"

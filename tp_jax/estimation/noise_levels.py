@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.windows import prepare
 from tp_jax.recordings import Colour
 from tp_jax.recordings.noise import quantum

@@ -11,9 +11,9 @@ Source: Venzon and Moolgavkar (1988), Appl. Stat. 37:87 (profile likelihood).
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.robust import Loss
 from tp_jax.estimation.variable_projection import fit as fit_projected
 

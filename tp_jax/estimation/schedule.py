@@ -11,9 +11,10 @@ from typing import Literal
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign, warm_start_states
+from tp_jax.estimation.baseline import warm_start_states
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.sharpen import FINELY

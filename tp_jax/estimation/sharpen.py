@@ -15,8 +15,9 @@ import logging
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PATIENCE, PreparedCampaign
+from tp_jax.estimation.baseline import PATIENCE
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.simulation.lanes import Tolerances
 

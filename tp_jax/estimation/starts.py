@@ -15,8 +15,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.weak_form import WeakForm
 from tp_jax.model.parameters import Parameter
 

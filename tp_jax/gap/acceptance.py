@@ -10,9 +10,9 @@ import dataclasses
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import detectability
 from tp_jax.gap.backward import without
 from tp_jax.gap.choice import Choice, tied_by_gain

@@ -6,8 +6,8 @@ oddity of a single recording improves that one alone.
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.crossvalidation import left_out_cost
 from tp_jax.gap.held_out import HeldOut

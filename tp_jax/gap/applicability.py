@@ -6,8 +6,8 @@ import numpy as np
 
 from tp_jax.effects import Effect, catalogue, laws
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import SENSORS
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.recordings.faults import nearest
 
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.assemble import fit_record
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import correlations, intervals
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import tables
 from tp_jax.gap.acceptance import (
     errors,

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.layout import Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.confirmation import confirm
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.left_out import groups, left_out

@@ -7,9 +7,9 @@ the windows' states are estimated anew. Source: Stone (1974), J. R. Statist. Soc
 
 import dataclasses
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.crossvalidation import moves
 from tp_jax.gap.held_out import evaluate, shrink

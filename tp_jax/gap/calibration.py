@@ -12,11 +12,11 @@ import dataclasses
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate, scaled_inverse
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import Linearisation, spread
 from tp_jax.estimation.linearisation import columns as slots_of
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 
 NAMES = ("phi1", "phi2")
 

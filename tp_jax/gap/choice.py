@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.backward import Tested, pruned, replaced
 from tp_jax.gap.confirmation import Confirmation, confirm
 from tp_jax.gap.crossvalidation import gain, left_out_cost

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from tp_jax.effects import Effect, Law
 from tp_jax.effects.laws import HALF, MIDDLE
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.policy import POLICY

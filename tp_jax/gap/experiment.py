@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.windows import Prepared, cut
 from tp_jax.gap.screen import Scored, pseudo_inverse

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.diagnosis import Examination
 from tp_jax.gap.experiment import rehearsal

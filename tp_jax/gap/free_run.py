@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.layout import Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import Windows

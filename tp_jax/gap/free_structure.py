@@ -24,11 +24,11 @@ import dataclasses
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.elimination import eliminate, scaled_inverse
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import spread
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
 from tp_jax.gap.free_torques import FreeColumns, errors_of_readings
 from tp_jax.gap.policy import POLICY, StructurePolicy

@@ -18,9 +18,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from tp_jax.effects import Amplitude, Effect, Shape
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Layout, Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.model.elementary import sine
 

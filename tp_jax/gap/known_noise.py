@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.residual_noise import with_residual_noise
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.choice import Choice

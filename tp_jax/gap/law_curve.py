@@ -5,10 +5,10 @@ import numpy as np
 from tp_jax import _tails as tails
 from tp_jax.effects import Law
 from tp_jax.effects.laws import DEGREE, FROZEN, HALF, MIDDLE, curve
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.short_formula import short_formula
 from tp_jax.gap.visited import visited

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.effects import Law
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.acceptance import Doubts
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.choice import Choice

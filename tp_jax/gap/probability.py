@@ -25,8 +25,8 @@ import numpy as np
 from scipy.special import softmax
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.backward import Tested
 from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.directions import Variant

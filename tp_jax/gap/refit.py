@@ -7,9 +7,10 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from tp_jax.effects import Effect
-from tp_jax.estimation.baseline import PreparedCampaign, warm_start_states
+from tp_jax.estimation.baseline import warm_start_states
 from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
 from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.variable_projection import fit

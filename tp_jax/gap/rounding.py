@@ -10,9 +10,9 @@ import dataclasses
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.recordings.noise import quantum
 

@@ -16,12 +16,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.effects import AnyLaw, Law, laws
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate, scaled_inverse
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.directions import Variant, layers, variants

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PreparedCampaign
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.calibration import Floor
 from tp_jax.gap.held_out import HeldOut
 from tp_jax.results.diagnosis import HeldOutRun, Numbers, RecordingUsed, Series, Start

@@ -5,9 +5,9 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from tp_jax.effects import Law, catalogue
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import detectability
 from tp_jax.gap.agreement import agreement
 from tp_jax.gap.applicability import why_not

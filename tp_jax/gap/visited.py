@@ -7,8 +7,8 @@ import numpy as np
 
 from tp_jax.effects import Law, laws
 from tp_jax.effects.laws import HALF, MIDDLE
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit

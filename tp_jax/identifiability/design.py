@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.model import presets
 from tp_jax.model.parameters import DEFAULT_EPS
 from tp_jax.model.pendulum import NEWTON_REACTION, AbstractTorsionPendulum

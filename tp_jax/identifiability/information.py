@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit, parameter
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.identifiability.null_directions import Direction
 from tp_jax.model.parameters import NUISANCES
 

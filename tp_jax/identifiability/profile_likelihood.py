@@ -21,10 +21,10 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.baseline import PreparedCampaign
 from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.sharpen import FINELY
 from tp_jax.identifiability.copies import TOLERANCE, Fitted, Start, fit_copies
 from tp_jax.identifiability.information import inverse

@@ -55,7 +55,7 @@ def _ours(data: Any, bound: Mapping, starts: int, truth: Mapping) -> dict[str, A
 
 
 def _scipy(data: Any, bound: Mapping, starts: int, truth: Mapping, tol: float) -> dict[str, Any]:
-    from tp_jax.estimation.baseline import prepare_campaign
+    from tp_jax.estimation.prepared_campaign import prepare_campaign
 
     from .. import campaign as rig
     from .. import pool, scipy_script

@@ -18,7 +18,7 @@ from ..rows import Row, duration, held, plain, times
 def measure(b: Bench) -> tuple[dict, list[Row]]:
     """{"starts", "iterations", "results": [{peer, seconds, evaluations, objectives}]}."""
     b.tell("simplices")
-    from tp_jax.estimation.baseline import prepare_campaign
+    from tp_jax.estimation.prepared_campaign import prepare_campaign
 
     from .. import campaign as rig
 
