@@ -305,13 +305,15 @@ class Problem:
     def compile_ahead(self, active: frozenset[str], states: bool = True) -> None:
         """Has the programs compiled, in threads of their own, that look at every effect.
 
-        And those that settle windows: with what is there, and with what may come of it.
+        And those that settle windows: with what is there, and with what may come of it. Those of
+        laws are the largest and most campaigns never ask for one: they wait until one does.
 
         Args:
             active: effects that have amplitudes.
             states: whether effects with states of their own are to be looked at too.
         """
-        families = [f for f in self.layout.families if states or f <= self.programs.plain]
+        catalogued = [f for f in self.layout.families if not f & self.layout.learned]
+        families = [f for f in catalogued if states or f <= self.programs.plain]
         programs = dict.fromkeys(self.programs.cover(active, family) for family in families)
         settling = self.programs.cover(active, NONE)
         plain = self.programs.cover(active, self.programs.plain)
