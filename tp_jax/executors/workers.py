@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from threading import Lock
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 
 @contextmanager
@@ -22,6 +22,7 @@ def ended(executor: Executor) -> Iterator[Executor]:
     executor.shutdown()
 
 
+@runtime_checkable
 class Worker(Protocol):
     """A process, here or elsewhere, that stays for many pieces."""
 

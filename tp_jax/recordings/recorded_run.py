@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Self
+from typing import TypeVar
 
 import numpy as np
 
 from tp_jax.recordings.calibration_error import CalibrationError
 from tp_jax.recordings.sources import ColumnSource
+
+Run = TypeVar("Run", bound="RecordedRun")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +91,7 @@ class RecordedRun:
         """(n,) times on the campaign's clock [s]; None where `start` is not known."""
         return None if self.start is None else self.start + self.t
 
-    def cut(self, t0: float, t1: float) -> Self:
+    def cut(self: Run, t0: float, t1: float) -> Run:
         """The samples with t0 <= t <= t1 as a recording of their own.
 
         Raises:

@@ -9,7 +9,7 @@ peak (a friction that may be zero, a ridge) is as good as the intervals are.
 from collections.abc import Mapping
 from contextlib import suppress
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -23,6 +23,7 @@ SYMMETRIC = 1e-3
 """Relative difference of an interval's two halves that counts as none."""
 
 
+@runtime_checkable
 class Found(Protocol):
     """Result of `identify` or of `diagnose`."""
 

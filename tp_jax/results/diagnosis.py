@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, TypeVar
 
 from tp_jax.results.encoding import Record, Schema, schema_of
 from tp_jax.results.sizes import Correlation, Interval, Size
@@ -365,6 +365,9 @@ class Provenance(Record):
     wall_s: float | None = None
 
 
+Read = TypeVar("Read", bound="DiagnosisRecord")
+
+
 @dataclass(frozen=True, kw_only=True)
 class DiagnosisRecord(Record):
     """A diagnosis as diagnosis.json has it.
@@ -408,7 +411,9 @@ class DiagnosisRecord(Record):
     provenance: Provenance = field(default_factory=Provenance)
 
     @classmethod
-    def from_json(cls, source: str | os.PathLike[str], *, fits: bool = True) -> Self:
+    def from_json(
+        cls: type[Read], source: str | os.PathLike[str], *, fits: bool = True
+    ) -> Read:
         """The diagnosis that a file holds.
 
         Args:

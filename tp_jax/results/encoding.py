@@ -10,11 +10,13 @@ import numbers
 from collections.abc import Mapping
 from functools import cache
 from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from typing import get_type_hints as hints_of
 
 from tp_jax.schemas import parts
 from tp_jax.schemas.checking import LARGEST
+
+Part = TypeVar("Part", bound="Record")
 
 _UNFIT: Any = object()
 _COUNTS = {2: "two", 4: "four"}
@@ -47,7 +49,7 @@ class Record:
         }
 
     @classmethod
-    def from_dict(cls, found: Mapping[str, Any]) -> Self:
+    def from_dict(cls: type[Part], found: Mapping[str, Any]) -> Part:
         """The result that `to_dict` gave; see `read` for what it may lack.
 
         Raises:
@@ -57,7 +59,7 @@ class Record:
         return cls(**{name: value for name, value in values.items() if value is not _UNFIT})
 
     @classmethod
-    def read(cls, found: "Self | Mapping[str, Any]") -> Self:
+    def read(cls: type[Part], found: "Part | Mapping[str, Any]") -> Part:
         """The same, read where it is a dictionary still.
 
         What does not fit its type counts as missing, and so does a part that lacks what it cannot

@@ -6,7 +6,7 @@ clock may run fast or slow; as on a microcontroller, sampling and drive both han
 
 import math
 import os
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -28,6 +28,7 @@ ERRORS = (5e-4, 1.5e-3, 5e-4, 1.5e-3, 3e-4)
 """Standard errors that are announced with them."""
 
 
+@runtime_checkable
 class Rig(Protocol):
     """Simulator as the emulator needs it; `tp_jax.rig.simulator.VirtualRig` is one."""
 
