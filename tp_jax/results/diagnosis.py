@@ -411,9 +411,7 @@ class DiagnosisRecord(Record):
     provenance: Provenance = field(default_factory=Provenance)
 
     @classmethod
-    def from_json(
-        cls: type[Read], source: str | os.PathLike[str], *, fits: bool = True
-    ) -> Read:
+    def from_json(cls: type[Read], source: str | os.PathLike[str], *, fits: bool = True) -> Read:
         """The diagnosis that a file holds.
 
         Args:
