@@ -18,9 +18,9 @@ from scripts._evidence.evidence import (
     of_sources,
 )
 from scripts._evidence.screens import Saved, Variant
+from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.gap.detectability import TIED
 from tp_jax.gap.policy import POLICY
-from tp_jax.gap.screen import pseudo_inverse
 
 LEVEL = 0.03
 """Level at which false alarms are counted, as many as the sealed trial had."""
@@ -183,7 +183,7 @@ def _cosine(saved: Saved, a: Variant, b: Variant) -> float:
     """Largest |cos| between the directions of two effects."""
     roots = []
     for v in (a, b):
-        value, vector = np.linalg.eigh(pseudo_inverse(saved.information[v.rows, v.rows]))
+        value, vector = np.linalg.eigh(efficient_inverse(saved.information[v.rows, v.rows]))
         roots.append(vector * np.sqrt(np.maximum(value, 0.0)) @ vector.T)
     across = roots[0] @ saved.information[a.rows, b.rows] @ roots[1]
     return float(np.linalg.svd(across, compute_uv=False)[0]) if across.size else 0.0

@@ -8,13 +8,11 @@ import pytest
 
 from tests.rigs import synthetic_campaign
 from tp_jax.errors import InputError
-from tp_jax.estimation import kept_fits, least_squares, variable_projection
+from tp_jax.estimation import kept_fits, variable_projection
 from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.checkpoint import digest_of
 from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
 from tp_jax.estimation.prepared_campaign import prepare_campaign
-
-FITTERS = {"joint": least_squares.fit, "projected": variable_projection.fit}
 
 
 @pytest.fixture(scope="module")
@@ -49,19 +47,18 @@ def same(one, other):
         assert getattr(one, name) == getattr(other, name)
 
 
-@pytest.mark.parametrize("name", list(FITTERS))
-def test_a_kept_fit_is_the_same_to_the_last_bit(setting, tmp_path, name):
+def test_a_kept_fit_is_the_same_to_the_last_bit(setting, tmp_path):
     path = tmp_path / "new" / "fits.json"
-    alone = fitted(setting, FITTERS[name])
+    alone = fitted(setting, variable_projection.fit)
     with keeping(checkpoint_of(setting, path)):
-        first = fitted(setting, FITTERS[name])
+        first = fitted(setting, variable_projection.fit)
     resumed = checkpoint_of(setting, path, resume=True)
     assert len(resumed.done) == 1
     with keeping(resumed):
         kept = kept_fits._current.get()
-        again = fitted(setting, FITTERS[name])
+        again = fitted(setting, variable_projection.fit)
         assert kept.taken == 1
-        fitted(setting, FITTERS[name], steps=2)  # another one
+        fitted(setting, variable_projection.fit, steps=2)  # another one
         assert kept.taken == 1
     same(first, alone)
     same(again, alone)
@@ -89,7 +86,7 @@ def test_what_is_done_is_written_however_it_ends(setting, tmp_path):
     def broken_off():
         with keeping(checkpoint_of(setting, path)):
             assert path.is_file()  # from the first moment
-            fitted(setting, least_squares.fit)
+            fitted(setting, variable_projection.fit)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

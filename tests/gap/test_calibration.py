@@ -120,6 +120,7 @@ def linear_fit(setting, effect=0.0):
         eliminated=at,
         states=None,
         values=types.SimpleNamespace(replace=lambda _: None),
+        normal=at.summed,
         information=lambda: at.H.sum(axis=0),
         dof=2 * int(windows.count.sum()) - 4 * windows.n,
     )

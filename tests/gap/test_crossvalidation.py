@@ -33,6 +33,7 @@ def linear_fit(rng, windows=20, m=12, u=3):
         eliminated=at,
         at_bound=np.zeros(3, bool),
         unknowns=names,
+        normal=at.summed,
         information=lambda: at.H.sum(axis=0),
         priors=(),
     )

@@ -8,8 +8,8 @@ import pytest
 from tests.rigs import synthetic_campaign, synthetic_values
 from tp_jax.estimation import noise_levels
 from tp_jax.estimation.fitted import Fit
-from tp_jax.estimation.least_squares import fit as fit_windows
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.variable_projection import fit as fit_windows
 from tp_jax.gap import free_structure as module
 from tp_jax.gap.free_structure import free_structure
 

@@ -8,9 +8,9 @@ import pytest
 from tests.rigs import synthetic_campaign, synthetic_values
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.least_squares import fit as fit_windows
 from tp_jax.estimation.linearisation import spread
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.variable_projection import fit as fit_windows
 from tp_jax.gap.free_torques import free_columns
 from tp_jax.gap.variance_components import VarianceComponents, attribute
 

@@ -3,8 +3,8 @@
 import pytest
 
 from tests.rigs import synthetic_campaign, synthetic_values
-from tp_jax.estimation.least_squares import fit as fit_windows
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.variable_projection import fit as fit_windows
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tp_jax.estimation.least_squares import fit as fit_windows
+from tp_jax.estimation.variable_projection import fit as fit_windows
 from tp_jax.identifiability.copies import Start, fit_copies
 
 

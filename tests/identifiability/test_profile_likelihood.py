@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.reference import BENCH
-from tp_jax.estimation.least_squares import fit as fit_windows
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.variable_projection import fit as fit_windows
 from tp_jax.identifiability.information import information
 from tp_jax.identifiability.profile_likelihood import profiles
 

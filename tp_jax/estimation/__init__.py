@@ -6,10 +6,11 @@ prepared_campaign                    noise, layout, window lengths, priors: what
 start, period, baseline              a start from the data, a schedule of window lengths
 weak_form                            a better start: no derivatives of the data (modulating,
                                      compensated)
-fitted                               where a fit ended, and its priors
-elimination, least_squares           Gauss-Newton over unknowns and window states together
-variable_projection                  the same with the states projected out (window_states,
-                                     bounded_step); robust losses (robust)
+priors, fitted                       what is known beforehand; where a fit ended
+elimination, normal_equations        window states eliminated; what is left is one small quadratic,
+                                     and all that is asked of it: steps, covariances, projections
+variable_projection                  the one fit: its steps (coordinates, bounded_step), the
+                                     windows' states (window_states), robust losses (robust)
 projected_gauss_newton               variable projection as a solver of optimistix
 optimistix_methods                   that, Levenberg-Marquardt, Dogleg, BFGS, or a solver of the
                                      user's own, on one traced function (window_residuals)

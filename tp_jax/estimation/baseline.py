@@ -13,7 +13,6 @@ import numpy as np
 
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import fit as fit_together
 from tp_jax.estimation.prepared_campaign import PreparedCampaign, is_sine
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.start import start_from_data
@@ -27,7 +26,6 @@ log = logging.getLogger(__name__)
 Progress = Callable[[str, float | None], None]
 
 PATIENCE = 100  # steps of a fit: far from a rider that hardly moves, some rigs need more than 50
-POOR = 2.0  # chi2/dof of a fit to the shortest windows that is looked for another way too
 
 MOST_WINDOWS = 160
 """Windows of a fit that only leads to the next one: more say no better which valley it is."""
@@ -109,11 +107,6 @@ def fit_over_schedule(
             relative=1e-3 if i + 1 < len(horizons) else 1e-7,
         )
         result = fit(problem, values, unknowns, states, **how)
-        if i == 0 and result.chi2_dof > POOR:
-            # The short windows choose the valley. Steps of states and unknowns together are shorter
-            # and go another way.
-            other = fit_together(problem, values, unknowns, states, **how)
-            result = min(result, other, key=lambda found: found.cost)
         if last:
             result = _slower(setting, result, how)
         values = result.values

@@ -8,6 +8,8 @@ import dataclasses
 
 import numpy as np
 
+from tp_jax.estimation.normal_equations import NormalEquations
+
 
 @dataclasses.dataclass(frozen=True)
 class Eliminated:
@@ -23,19 +25,16 @@ class Eliminated:
     state_step: np.ndarray
     state_gain: np.ndarray
 
+    def summed(
+        self, pull: np.ndarray | float = 0.0, prior: np.ndarray | None = None
+    ) -> NormalEquations:
+        """Returns the normal equations of all windows.
 
-def scaled_inverse(information: np.ndarray, cut: float = 1e-12) -> np.ndarray:
-    """Pseudo-inverse of an information or covariance matrix (u, u), scaled to a unit diagonal.
-
-    Scaling makes the cut independent of units.
-
-    Args:
-        information: symmetric, positive semidefinite.
-        cut: eigenvalues below this part of the largest count as zero.
-    """
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    inverse = np.linalg.pinv(information / np.outer(scale, scale), rcond=cut, hermitian=True)
-    return inverse / np.outer(scale, scale)
+        Args:
+            pull, prior: (u,) half the gradient of the priors and their information (`priors`).
+        """
+        prior = np.zeros(self.g.shape[1]) if prior is None else prior
+        return NormalEquations(self.g.sum(axis=0) + pull, self.H.sum(axis=0), prior)
 
 
 def eliminate(

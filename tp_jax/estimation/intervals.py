@@ -4,7 +4,6 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.blocks import blocks_of
-from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 
@@ -21,7 +20,7 @@ def covariance(fit: Fit, setting: PreparedCampaign) -> tuple[np.ndarray, np.ndar
     the sandwich's is an estimate from few blocks. Unknowns at a bound get none (zero rows).
     """
     free = ~fit.at_bound
-    inverse = scaled_inverse(fit.information()[np.ix_(free, free)])
+    inverse = fit.normal().part(free).covariance()
     block = blocks_of(fit, setting)
     n = int(block.max()) + 1
     g = np.zeros((n, int(free.sum())))

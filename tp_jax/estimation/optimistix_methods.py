@@ -19,11 +19,13 @@ import optimistix as optx
 from jaxtyping import Array, Float, Int, PyTree, Scalar
 
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.bounded_step import bounded_step
+from tp_jax.estimation.coordinates import Coordinates
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.normal_equations import NormalEquations
+from tp_jax.estimation.priors import GaussianPrior, prior_cost, prior_terms
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.projected_gauss_newton import VariableProjection
 from tp_jax.estimation.robust import Loss, robust
@@ -127,9 +129,8 @@ def fit(
             serves them all.
     """
     unknowns = tuple(unknowns)
-    specs = [parameter(problem, u) for u in unknowns]
-    given = bounds or {}
-    limits = np.array([given.get(s.name, (s.lower, s.upper)) for s in specs]).reshape(-1, 2)
+    space = Coordinates(unknowns, [parameter(problem, u) for u in unknowns], bounds)
+    low, high = space.ends.T
     # The windows of another horizon have states that fit neither the unknowns nor each other. A
     # step of all together brings them near; settled before it, many end in minima of their own.
     begun = variable_projection.fit(
@@ -148,13 +149,10 @@ def fit(
     settled = np.array_equal(begun.values.table, values.table)  # no step was to be had otherwise
     values, at, lin = begun.values, begun.states, begun.linearisation
     passes: float = begun.evaluations
-    floor = np.array([1e-300 if s.transform == "log" else -np.inf for s in specs])
-    low = _coordinates(specs, np.maximum(limits[:, 0], floor))
-    high = _coordinates(specs, np.maximum(limits[:, 1], floor))
     slots = columns(unknowns)
-    u = _coordinates(specs, np.maximum(values.pick(unknowns), floor))
+    u = space.of(values.pick(unknowns))
     dof = max(problem.degrees_of_freedom(len(unknowns)), 1)
-    cost: float = lin.cost() + _prior(u, unknowns, priors)
+    cost: float = lin.cost() + prior_cost(priors, unknowns, u)
     to_bounds: bool = True
     converged, message = False, "The limit of runs was reached."
     if not np.isfinite(cost):
@@ -162,18 +160,14 @@ def fit(
     for run in range(max_iterations):
         if not np.isfinite(cost):
             break
-        slope = np.array([s.slope(v) for s, v in zip(specs, values.pick(unknowns), strict=True)])
+        slope = space.slope(values.pick(unknowns))
         kinked = state_steps(lin, np.zeros(problem.windows.n))[1] >= KINK if settled else None
         elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
-        g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
-        for a in priors:
-            i = unknowns.index(a.unknown)
-            g[i] += (u[i] - a.mean) / a.sd**2
-            H[i, i] += 1.0 / a.sd**2
+        normal = elim.summed(*prior_terms(priors, unknowns, u))
         # A wrong model scatters its optimum by as much more, as in `variable_projection`.
         unit: float = max(cost / dof, 1.0)
         enough: float = max(tolerance, NOTHING * unit, relative * cost)
-        if run and bounded_step(g, H, low - u, high - u, 0.0).promise < enough:
+        if run and normal.step(low - u, high - u).promise < enough:
             converged, message = True, "Another run of the method would gain nothing."
             break
         needed = max(blocks or 0, len(problem.blocks()))  # other noise may place them otherwise
@@ -184,27 +178,27 @@ def fit(
             begin,
             elim.state_gain,
             unknowns,
-            specs,
+            space.specs,
             priors,
             blocks=needed,
             loss=loss,
             enough=SETTLED * unit,
         )
         method = _ending(solver, enough / unit, len(unknowns)) if ends else solver
-        scaled, moved = _scaled(windows, u, (low, high), g, H, unit, to_bounds=to_bounds)
+        scaled, moved = _scaled(windows, u, (low, high), normal, unit, to_bounds=to_bounds)
         new_u, spent = _run(method, evaluations, scaled, (low, high))
         passes += spent
         if not np.isfinite(new_u).all():
             message = "The method left the region that can be integrated."
             break
-        new_values = values.put(unknowns, _values(specs, new_u, limits))
+        new_values = values.put(unknowns, space.values(new_u))
         new_states = begin + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
         new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
         passes += 1.0
         if new_lin.complete.all():
             found = settle(problem, new_values, new_states, new_lin, slots, loss=loss, kinks=True)
             new_states, passes = found.states, passes + found.passes
-        new_cost = new_lin.cost() + _prior(new_u, unknowns, priors)
+        new_cost = new_lin.cost() + prior_cost(priors, unknowns, new_u)
         log.debug(
             "%s: run %d cost %.8g -> %.8g, %d evaluations",
             type(solver).__name__,
@@ -219,7 +213,7 @@ def fit(
         if not new_cost < cost and not settled:
             found = settle(problem, values, at, lin, slots, loss=loss, kinks=True)
             at, passes, settled = found.states, passes + found.passes, True
-            cost = lin.cost() + _prior(u, unknowns, priors)
+            cost = lin.cost() + prior_cost(priors, unknowns, u)
             continue
         if not new_cost < cost:
             converged, message = run > 0, "Another run of the method gained nothing."
@@ -230,23 +224,19 @@ def fit(
         if gained < enough:
             converged, message = True, "The last run of the method gained nothing."
             break
-    elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
-    x = values.pick(unknowns)
-    near = 1e-3 * np.array([s.typical if s.transform == "identity" else 0.0 for s in specs])
-    at_bound = (x <= limits[:, 0] + near) | (x >= limits[:, 1] - near)
-    return Fit(
+    near = [1e-3 * s.typical if s.transform == "identity" else 0.0 for s in space.specs]
+    return Fit.ended(
         problem,
         values,
         at,
-        unknowns,
-        cost,
-        elim,
         lin,
-        at_bound,
-        converged,
-        math.ceil(passes),
-        message,
-        tuple(priors),
+        priors,
+        space,
+        cost=cost,
+        converged=converged,
+        evaluations=passes,
+        message=message,
+        near=np.array(near),
     )
 
 
@@ -264,8 +254,7 @@ def _scaled(
     windows: WindowResiduals,
     u: np.ndarray,
     box: tuple[np.ndarray, np.ndarray],
-    g: np.ndarray,
-    H: np.ndarray,
+    normal: NormalEquations,
     unit: float,
     *,
     to_bounds: bool,
@@ -277,17 +266,17 @@ def _scaled(
     against it. With `to_bounds` false only the first are left out.
     """
     low, high = box
-    step = bounded_step(g, H, low - u, high - u, 0.0).du
+    step = normal.step(low - u, high - u).du
     free = (step > low - u) & (step < high - u)
     if not to_bounds:
         free |= step != 0.0
     moved = bool((step[~free] != 0.0).any())
     u = np.where(free, u, np.clip(u + step, low, high))
-    Hf = H[np.ix_(free, free)] / unit
+    Hf = normal.part(free).information / unit
     scale = np.sqrt(np.maximum(np.diag(Hf), 1e-12 * max(np.diag(Hf).max(initial=0.0), 1e-300)))
     values, vectors = np.linalg.eigh(Hf / np.outer(scale, scale))
     values = np.maximum(values, RANK * values.max(initial=1e-300))
-    axes = np.zeros_like(H)
+    axes = np.zeros_like(normal.H)
     axes[np.ix_(free, free)] = vectors / np.sqrt(values) / scale[:, None]
     scaled = _Scaled(windows, *map(jnp.asarray, (u, axes, low, high, math.sqrt(unit))))
     return scaled, moved
@@ -325,16 +314,3 @@ def _search(
     else:
         done = optx.least_squares(residuals, solver, z0, scaled, **options)
     return scaled.unknowns(done.value), done.stats["num_steps"]
-
-
-def _coordinates(specs, x: np.ndarray) -> np.ndarray:
-    return np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
-
-
-def _values(specs, u: np.ndarray, limits: np.ndarray) -> np.ndarray:
-    x = np.array([float(s.from_coordinate(c)) for s, c in zip(specs, u, strict=True)])
-    return np.clip(x, *limits.T)
-
-
-def _prior(u: np.ndarray, unknowns: tuple[Unknown, ...], priors: Sequence[GaussianPrior]) -> float:
-    return sum(((u[unknowns.index(a.unknown)] - a.mean) / a.sd) ** 2 for a in priors)

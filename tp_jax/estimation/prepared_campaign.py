@@ -7,9 +7,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from tp_jax.effects import AnyLaw, Effect, catalogue
-from tp_jax.estimation.fitted import GaussianPrior
 from tp_jax.estimation.layout import Layout, Unknown, order
 from tp_jax.estimation.period import horizons_of, typical_period
+from tp_jax.estimation.priors import GaussianPrior
 from tp_jax.estimation.problem import Problem, room, sample_capacity
 from tp_jax.estimation.program_choice import Programs
 from tp_jax.estimation.windows import Prepared, cut, prepare

@@ -9,22 +9,20 @@ Source: Golub and Pereyra (1973), SIAM J. Numer. Anal. 10:413; Kaufman (1975), B
 """
 
 import logging
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from tp_jax.estimation.bounded_step import LONGEST_LOG, bounded_step
+from tp_jax.estimation.coordinates import Coordinates
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.kept_fits import taken_or_done
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
+from tp_jax.estimation.priors import GaussianPrior, prior_cost, prior_terms
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
-from tp_jax.estimation.window_states import KINK, settle, state_steps
-from tp_jax.model.parameters import Parameter
+from tp_jax.estimation.window_states import KINK, MAX_STATE_STEP, settle, state_steps
 
 log = logging.getLogger(__name__)
 
@@ -55,29 +53,33 @@ def fit(
 ) -> Fit:
     """Fits unknowns and window states to all windows of a problem.
 
-    Arguments and result are those of `least_squares.fit`, but for `loss` (see `robust`);
-    `evaluations` counts passes over the windows, and:
-
     Args:
+        problem: recordings in windows.
+        values: start, and everything that is not fitted.
+        unknowns: what to fit.
+        states: (w, 4) start of the window states; the smoothed readings if None.
+        bounds: by name, instead of the parameters' own.
+        priors: on unknowns.
+        max_iterations: passes over the windows at most.
+        tolerance: ends when a step promises a smaller drop of the sum of squares than this,
+        relative: or than this part of it.
+        loss: of a residual (see `robust`).
         kinks: whether the state of a window that lies in a kink (see `window_states`) follows the
             unknowns along it alone. Otherwise it is taken to follow them wherever its slope leads,
             which no kink keeps, and a fit may end above its neighbourhood for it.
+
+    Returns:
+        The end of the fit; its `evaluations` are passes over the windows.
     """
     unknowns = tuple(unknowns)
-    specs = [parameter(problem, u) for u in unknowns]
-    limits = np.array([(bounds or {}).get(s.name, (s.lower, s.upper)) for s in specs])
-    limits = limits.reshape(-1, 2)
-    low, high = (
-        np.array([_coordinate(s, v) for s, v in zip(specs, end, strict=True)]) for end in limits.T
-    )
-    longest = np.array([LONGEST_LOG if s.transform == "log" else np.inf for s in specs])
+    space = Coordinates(unknowns, [parameter(problem, u) for u in unknowns], bounds)
     slots = columns(unknowns)
-    x = np.clip(values.pick(unknowns), *limits.T)
+    x = np.clip(values.pick(unknowns), *space.limits.T)
     values = values.put(unknowns, x)
     at: np.ndarray = problem.initial_states(values) if states is None else states
     lin = robust(problem.linearise(values, at, slots), loss)
     passes: float = 1.0
-    cost: float = lin.cost() + _anchor_cost(specs, unknowns, x, priors)
+    cost: float = lin.cost() + prior_cost(priors, unknowns, space.of(x))
     damping: float = 1e-4
     of_states: np.ndarray | None = None
     settled: bool = False
@@ -105,26 +107,22 @@ def fit(
     for iteration in range(max_iterations):
         if not np.isfinite(cost) or passes > max_iterations:
             break
-        u = np.array([float(s.to_coordinate(v)) for s, v in zip(specs, x, strict=True)])
-        slope = np.array([s.slope(v) for s, v in zip(specs, x, strict=True)])
+        u = space.of(x)
+        slope = space.slope(x)
         own, gains = state_steps(lin, np.zeros(problem.windows.n))
         kinked = gains >= KINK if kinks and settled else None
         elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
-        g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
-        for a in priors:
-            i = unknowns.index(a.unknown)
-            g[i] += (u[i] - a.mean) / a.sd**2
-            H[i, i] += 1.0 / a.sd**2
-        box = np.maximum(low - u, -longest), np.minimum(high - u, longest)
+        normal = elim.summed(*prior_terms(priors, unknowns, u))
+        box = space.box(u)
         # What a wrong model leaves scatters its optimum by as much more: digits below that scatter
         # are not worth a step.
         unit = max(cost / dof, 1.0)
         enough = max(tolerance, NOTHING * unit, relative * cost)
-        promise = bounded_step(g, H, *box, 0.0).promise
+        promise = normal.step(*box).promise
         if not settled:
             if promise < enough <= promise + gains.sum():
                 put_right(values, at, lin, SETTLED * unit)
-                cost = lin.cost() + _anchor_cost(specs, unknowns, x, priors)
+                cost = lin.cost() + prior_cost(priors, unknowns, space.of(x))
                 settled = True
                 continue
             own, promised = np.clip(own, -MAX_STATE_STEP, MAX_STATE_STEP), float(gains.sum())
@@ -135,13 +133,13 @@ def fit(
             break
         accepted = refused = again = False
         while not accepted:
-            step = bounded_step(g, H, *box, damping)
-            new_x = _within(_values(specs, u + step.du), limits)
+            step = normal.step(*box, damping)
+            new_x = _within(space.values(u + step.du), space.limits)
             new_values = values.put(unknowns, new_x)
             new_states = at + own + np.einsum("wxu,u->wx", elim.state_gain, step.du)
             new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
             passes += 1.0
-            prior = _anchor_cost(specs, unknowns, new_x, priors)
+            prior = prior_cost(priors, unknowns, space.of(new_x))
             share = (cost - new_lin.cost() - prior) / max(step.promise + promised, 1e-300)
             new_settled = False
             if new_lin.complete.all() and share < BENIGN:
@@ -173,7 +171,7 @@ def fit(
             elif kinks and not settled:
                 # The states' own steps may be to blame: a kink keeps none of them.
                 put_right(values, at, lin, SETTLED * unit)
-                cost = lin.cost() + _anchor_cost(specs, unknowns, x, priors)
+                cost = lin.cost() + prior_cost(priors, unknowns, space.of(x))
                 settled = again = True
                 break
             else:
@@ -188,21 +186,17 @@ def fit(
         if small:
             converged, message = True, "The last step gained nothing."
             break
-    elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
-    at_bound = (x <= limits[:, 0]) | (x >= limits[:, 1])
-    return Fit(
+    return Fit.ended(
         problem,
         values,
         at,
-        unknowns,
-        cost,
-        elim,
         lin,
-        at_bound,
-        converged,
-        math.ceil(passes),
-        message,
-        tuple(priors),
+        priors,
+        space,
+        cost=cost,
+        converged=converged,
+        evaluations=passes,
+        message=message,
     )
 
 
@@ -211,22 +205,3 @@ def _within(x: np.ndarray, limits: np.ndarray) -> np.ndarray:
     hair = HAIR * np.abs(x)
     x = np.where(x <= limits[:, 0] + hair, limits[:, 0], x)
     return np.where(x >= limits[:, 1] - hair, limits[:, 1], x)
-
-
-def _anchor_cost(
-    specs: Sequence[Parameter],
-    unknowns: tuple[Unknown, ...],
-    x: np.ndarray,
-    priors: Sequence[GaussianPrior],
-) -> float:
-    places = [unknowns.index(a.unknown) for a in priors]
-    u = [float(specs[i].to_coordinate(x[i])) for i in places]
-    return sum(((c - a.mean) / a.sd) ** 2 for c, a in zip(u, priors, strict=True))
-
-
-def _values(specs: Sequence[Parameter], u: np.ndarray) -> np.ndarray:
-    return np.array([float(s.from_coordinate(v)) for s, v in zip(specs, u, strict=True)])
-
-
-def _coordinate(spec: Parameter, value: float) -> float:
-    return float(spec.to_coordinate(max(value, 1e-300) if spec.transform == "log" else value))

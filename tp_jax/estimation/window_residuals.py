@@ -18,12 +18,11 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax.estimation.layout import Layout, Values
-from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import columns
 from tp_jax.estimation.problem import LANES, Problem
 from tp_jax.estimation.program import Block, linearise
 from tp_jax.estimation.robust import Loss, robustify
-from tp_jax.estimation.window_states import KINK
+from tp_jax.estimation.window_states import KINK, MAX_STATE_STEP
 from tp_jax.model.arrays import AnyArray
 
 #: Steps of the windows' states in one evaluation. Three are enough unless the rider of a window

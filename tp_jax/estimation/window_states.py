@@ -18,11 +18,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
 from tp_jax.estimation.windows import Windows
+
+MAX_STATE_STEP = np.array([0.05, 0.05, 2.0, 2.0])
+"""Longest step of a window's state: rad, rad/s."""
 
 ROUNDS = 8
 FIRST = 1e-3

@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.layout import Values
+from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.confirmation import confirm
 from tp_jax.gap.directions import Variant

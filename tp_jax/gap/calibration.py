@@ -12,10 +12,11 @@ import dataclasses
 
 import numpy as np
 
-from tp_jax.estimation.elimination import eliminate, scaled_inverse
+from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import Linearisation, spread
 from tp_jax.estimation.linearisation import columns as slots_of
+from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 
 NAMES = ("phi1", "phi2")
@@ -109,7 +110,7 @@ def floor(setting: PreparedCampaign, fit: Fit, held_out: Fit) -> Floor:
     elim = eliminate(fit.linearisation.r, fit.linearisation.states_jac, jac)
     nb = len(unknowns)
     # priors of the unknowns included
-    inverse = scaled_inverse(fit.information()[np.ix_(free, free)])
+    inverse = scaled_inverse(fit.normal().part(free).information)
     follow = -inverse @ elim.H.sum(axis=0)[:nb, nb:]
     ones = np.ones((fit.problem.windows.n, 2))
     forms, _ = _left(fit.linearisation, jac, follow, ones)

@@ -70,13 +70,9 @@ def moves(fit: Fit, fold: np.ndarray) -> Moves:
     names = [u for u, f in zip(fit.unknowns, free, strict=True) if f]
     g = fit.eliminated.g[:, free]
     H = fit.eliminated.H[:, free][:, :, free]
-    total = fit.information()[np.ix_(free, free)]
-    pull = np.zeros(len(names))  # half the gradient of the priors
-    for a in fit.priors:
-        if a.unknown in names:
-            spec, x = parameter(fit.problem, a.unknown), _value(fit, a.unknown)
-            off = float(spec.to_coordinate(x)) - a.mean
-            pull[names.index(a.unknown)] += off / (a.sd**2 * spec.slope(x))
+    normal = fit.normal()
+    total = normal.part(free).information
+    pull = (normal.g - fit.eliminated.g.sum(axis=0))[free]  # half the gradient of the priors
     scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
     # coordinates in which all that is known makes a unit matrix
     value, vector = np.linalg.eigh(total / np.outer(scale, scale))

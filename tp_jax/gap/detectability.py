@@ -5,7 +5,8 @@ from scipy import optimize
 
 from tp_jax import _tails as tails
 from tp_jax.effects import Law
-from tp_jax.gap.screen import Scored, Screen, pseudo_inverse
+from tp_jax.estimation.normal_equations import efficient_inverse
+from tp_jax.gap.screen import Scored, Screen
 
 POWER, FAMILY_WISE = 0.95, 0.05
 TIED = 0.95  # |cos| of projected directions above which two effects are not told apart
@@ -57,7 +58,7 @@ def _cosine(screen: Screen, a: Scored, b: Scored, of_a: np.ndarray, of_b: np.nda
 
 
 def _inverse_root(screen: Screen, scored: Scored) -> np.ndarray:
-    inverse = pseudo_inverse(screen.information[scored.rows, scored.rows])
+    inverse = efficient_inverse(screen.information[scored.rows, scored.rows])
     value, vector = np.linalg.eigh(0.5 * (inverse + inverse.T))
     return vector * np.sqrt(np.maximum(value, 0.0)) @ vector.T
 

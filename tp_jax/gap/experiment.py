@@ -8,10 +8,11 @@ from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.windows import Prepared, cut
-from tp_jax.gap.screen import Scored, pseudo_inverse
+from tp_jax.gap.screen import Scored
 from tp_jax.results.diagnosis import NextExperiment
 
 DURATION = 10.0  # s
@@ -96,7 +97,7 @@ def propose(setting: PreparedCampaign, fit: Fit, a: Scored, b: Scored) -> NextEx
         V = (
             H[np.ix_(mine, mine)]
             - H[np.ix_(mine, others)]
-            @ pseudo_inverse(H[np.ix_(others, others)])
+            @ efficient_inverse(H[np.ix_(others, others)])
             @ H[np.ix_(others, mine)]
         )
         sigmas.append(float(np.sqrt(max(ea @ V @ ea, 0.0))))

@@ -21,6 +21,7 @@ from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.normal_equations import efficient_inverse, projected
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.diagnosis import Examination
@@ -36,7 +37,7 @@ from tp_jax.gap.next_run import (
 )
 from tp_jax.gap.policy import POLICY, ExplorePolicy
 from tp_jax.gap.refit import Refit
-from tp_jax.gap.screen import Scored, pseudo_inverse
+from tp_jax.gap.screen import Scored
 
 
 @dataclasses.dataclass(frozen=True)
@@ -132,7 +133,7 @@ def _left(problem: Any, values: Values, model: Alternative) -> np.ndarray:
             left.append(np.nan)
             continue
         g, H = elim.g[mine].sum(axis=0), elim.H[mine].sum(axis=0) + model.information
-        left.append(max(float(elim.cost[mine].sum() - g @ pseudo_inverse(H) @ g), 0.0))
+        left.append(max(float(elim.cost[mine].sum() - g @ efficient_inverse(H) @ g), 0.0))
     return np.array(left)
 
 
@@ -185,11 +186,7 @@ def _of_fit(found: Refit) -> Alternative:
     fit = found.fit
     shared = [i for i, u in enumerate(fit.unknowns) if u.recording is None]
     rest = [i for i, u in enumerate(fit.unknowns) if u.recording is not None]
-    H = fit.information()
-    kept = H[np.ix_(shared, shared)]
-    if rest:
-        cross = H[np.ix_(shared, rest)]
-        kept = kept - cross @ pseudo_inverse(H[np.ix_(rest, rest)]) @ cross.T
+    kept = projected(fit.information(), shared, rest)
     shares = tuple(fit.unknowns[i] for i in shared)
     return Alternative(fit.values, shares, kept, fit.chi2_dof)
 
@@ -204,8 +201,7 @@ def _of_screen(fit: Fit, scored: Scored) -> Alternative:
     unknowns = [*base, *scored.variant.unknowns]
     lin = fit.problem.linearise(at, fit.states, columns(unknowns))
     H = eliminate(lin.r, lin.states_jac, spread(lin, unknowns)).H.sum(axis=0)
-    of_priors = np.diag(fit.information() - fit.eliminated.H.sum(axis=0))
-    known = dict(zip(fit.unknowns, of_priors, strict=True))
+    known = dict(zip(fit.unknowns, fit.normal().prior, strict=True))
     H[np.arange(len(base)), np.arange(len(base))] += [known[u] for u in base]
     values = at.put(base, moved).put(scored.variant.unknowns, scored.estimate)
     shared = [i for i, u in enumerate(unknowns) if u.recording is None]

@@ -24,10 +24,11 @@ import dataclasses
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.elimination import eliminate, scaled_inverse
+from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.linearisation import spread
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
+from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
 from tp_jax.gap.free_torques import FreeColumns, errors_of_readings
@@ -117,8 +118,7 @@ def free_scores(setting: PreparedCampaign, fit: Fit, free: FreeColumns) -> FreeS
     q = free.source.size
     H, g = left.H[:, :q, :q], left.g[:, :q]
     shared = left.H[:, q:, q:].sum(axis=0)
-    prior = np.diag(fit.information() - fit.eliminated.H.sum(axis=0))[moved]
-    prior = np.concatenate([prior, np.ones(len(shared) - len(base))])
+    prior = np.concatenate([fit.normal().prior[moved], np.ones(len(shared) - len(base))])
     shared[np.arange(len(shared)), np.arange(len(shared))] += prior
     inverse = scaled_inverse(shared)
     across = left.H[:, :q, q:]

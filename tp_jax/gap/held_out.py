@@ -10,9 +10,9 @@ import numpy as np
 from scipy.linalg import matmul_toeplitz
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.elimination import scaled_inverse
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Values
+from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.calibration import Floor, noise_alone

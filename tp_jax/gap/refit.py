@@ -8,14 +8,16 @@ import numpy as np
 
 from tp_jax.effects import Effect
 from tp_jax.estimation.baseline import warm_start_states
-from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
+from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
+from tp_jax.estimation.priors import GaussianPrior
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.directions import Variant, variants
-from tp_jax.gap.screen import WIDE, pseudo_inverse
+from tp_jax.gap.screen import WIDE
 
 log = logging.getLogger(__name__)
 
@@ -98,7 +100,7 @@ def refit(
         before: fit to start from (its unknowns are kept).
         variants: effects with shape constants, those of `before` included.
         horizon: window length; that of `before` if None.
-        max_iterations: see `least_squares.fit`.
+        max_iterations: see `variable_projection.fit`.
         known: a fit with all of these effects, under another noise say, whose numbers are the
             start; the friction's smoothing is that of `before`.
     """
@@ -323,7 +325,7 @@ def _falls_inwards(there: Fit, held: Collection[str]) -> bool:
     """True where the sum of squares falls as a number that was held grows, the others following."""
     g, H = there.eliminated.g.sum(axis=0), there.eliminated.H.sum(axis=0)
     mine = np.array([u.name in held for u in there.unknowns])
-    follow = pseudo_inverse(H[np.ix_(~mine, ~mine)]) @ g[~mine]
+    follow = efficient_inverse(H[np.ix_(~mine, ~mine)]) @ g[~mine]
     return bool(np.any(g[mine] - H[np.ix_(mine, ~mine)] @ follow < 0.0))
 
 

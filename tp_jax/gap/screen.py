@@ -18,9 +18,10 @@ import numpy as np
 from tp_jax.effects import AnyLaw, Law, laws
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
-from tp_jax.estimation.elimination import eliminate, scaled_inverse
+from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.normal_equations import efficient_inverse, scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
@@ -161,18 +162,11 @@ def screen(
     elim = eliminate(lin.r, lin.states_jac, jac)
     nb = len(base) + shapes.shape[2]
     H, g = elim.H.sum(axis=0), elim.g.sum(axis=0)
-    for i in range(len(base), nb):
-        H[i, i] += 1.0
-    for a in fit.priors:
-        if a.unknown in base:
-            i = base.index(a.unknown)
-            H[i, i] += (
-                fit.information()[fit.unknowns.index(a.unknown)][fit.unknowns.index(a.unknown)]
-                - fit.eliminated.H.sum(axis=0)[
-                    fit.unknowns.index(a.unknown), fit.unknowns.index(a.unknown)
-                ]
-            )
-            g[i] = 0.0  # at the optimum the prior balances the data
+    known = dict(zip(fit.unknowns, fit.normal().prior, strict=True))
+    prior = np.array([known[u] for u in base] + [1.0] * (nb - len(base)))
+    H[np.arange(nb), np.arange(nb)] += prior
+    # at the optimum the prior balances the data
+    g[np.flatnonzero(prior[: len(base)])] = 0.0
     covariance = scaled_inverse(H[:nb, :nb])
     gain = covariance @ H[:nb, nb:]
     V = H[nb:, nb:] - H[nb:, :nb] @ gain
@@ -237,7 +231,7 @@ def predicted_drop(
     Args:
         limits: (q, 2) bounds. V: (q, q) efficient information. s: (q,) efficient score.
     """
-    inverse = pseudo_inverse(V)
+    inverse = efficient_inverse(V)
     estimate, unbounded = -inverse @ s, float(s @ inverse @ s)
     low, high = limits.T
     if np.all((estimate >= low) & (estimate <= high)):
@@ -247,15 +241,3 @@ def predicted_drop(
     estimate[:] = 0.0
     estimate[live] = step.du
     return estimate, float(np.clip(step.promise, 0.0, unbounded)), unbounded
-
-
-def pseudo_inverse(V: np.ndarray) -> np.ndarray:
-    """Inverse of an information matrix; directions without information get none."""
-    scale = np.sqrt(np.maximum(np.diag(V), 0.0))
-    live = scale > 1e-12 * max(scale.max(initial=0.0), 1e-300)
-    out = np.zeros_like(V)
-    if live.any():
-        s = scale[live]
-        core = np.linalg.pinv(V[np.ix_(live, live)] / np.outer(s, s), rcond=1e-9, hermitian=True)
-        out[np.ix_(live, live)] = core / np.outer(s, s)
-    return out

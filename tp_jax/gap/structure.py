@@ -24,7 +24,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.gap.screen import Screen, pseudo_inverse
+from tp_jax.estimation.normal_equations import efficient_inverse
+from tp_jax.gap.screen import Screen
 
 DRAWS = 2000
 OF_ROUNDING = 250  # draws: each goes over all samples
@@ -102,7 +103,7 @@ class _Form:
     """Parts of an effect's information by block (B, q, q) that are needed."""
 
     def __init__(self, V: np.ndarray):
-        self.inverse = pseudo_inverse(V.sum(axis=0))
+        self.inverse = efficient_inverse(V.sum(axis=0))
         trace = np.einsum("ij,bji->b", self.inverse, V)
         self.telling = np.flatnonzero(trace > TELLING * max(trace.mean(), 1e-300))
         value, vector = np.linalg.eigh(V[self.telling])

@@ -9,14 +9,15 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
+from tp_jax.estimation.coordinates import Coordinates
 from tp_jax.estimation.elimination import eliminate
-from tp_jax.estimation.fitted import GaussianPrior, parameter
+from tp_jax.estimation.fitted import parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.least_squares import MAX_STATE_STEP
 from tp_jax.estimation.linearisation import Linearisation, columns, spread
+from tp_jax.estimation.priors import GaussianPrior, prior_cost, prior_terms
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.window_states import MAX_STATE_STEP
 from tp_jax.estimation.windows import Windows
 
 AT_ONCE = 8
@@ -26,7 +27,6 @@ TOLERANCE = 0.005
 """A copy has converged where its next step promises a smaller drop of the sum of squares."""
 
 MAX_ITERATIONS = 25
-LARGEST_LOG_STEP = 1.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -99,17 +99,13 @@ class _Group:
 
     def __init__(self, problem, unknowns, bounds, priors):
         self.problem, self.unknowns, self.priors = problem, unknowns, priors
-        self.specs = [parameter(problem, u) for u in unknowns]
-        limits = [bounds.get(s.name, (s.lower, s.upper)) for s in self.specs]
-        self.limits = np.array(limits, float).reshape(-1, 2)
-        self.coordinates = np.array(
-            [[_coordinate(s, v) for v in pair] for s, pair in zip(self.specs, limits, strict=True)]
-        ).reshape(-1, 2)
+        specs = [parameter(problem, u) for u in unknowns]
+        self.space = Coordinates(unknowns, specs, bounds)
         self.slots = columns(unknowns)
         self.wide: dict[int, Problem] = {}
 
     def fit(self, starts: Sequence[Start], tolerance: float, most: int) -> list[Fitted]:
-        xs = [np.clip(s.values.pick(self.unknowns), *self.limits.T) for s in starts]
+        xs = [np.clip(s.values.pick(self.unknowns), *self.space.limits.T) for s in starts]
         first = [s.values.put(self.unknowns, x) for s, x in zip(starts, xs, strict=True)]
         lins = self._linearise(first, [s.states for s in starts])
         copies = [
@@ -157,43 +153,34 @@ class _Group:
         return parts
 
     def _cost(self, values: Values, lin: Linearisation) -> float:
-        return lin.cost() + sum(_residual(a, values, self.problem) ** 2 for a in self.priors)
+        return lin.cost() + prior_cost(
+            self.priors, self.unknowns, self.space.of(values.pick(self.unknowns))
+        )
 
     def _normal(self, c: _Copy, damping: float):
         """Gradient, information and window states, in estimation coordinates."""
-        slope = np.array([s.slope(v) for s, v in zip(self.specs, c.x, strict=True)])
-        elim = eliminate(c.lin.r, c.lin.states_jac, spread(c.lin, self.unknowns) * slope, damping)
-        g, H = elim.g.sum(axis=0), elim.H.sum(axis=0)
-        for a in self.priors:
-            i = self.unknowns.index(a.unknown)
-            g[i] += _residual(a, c.values, self.problem) / a.sd
-            H[i, i] += 1.0 / a.sd**2
-        return g, H, elim
+        jac = spread(c.lin, self.unknowns) * self.space.slope(c.x)
+        elim = eliminate(c.lin.r, c.lin.states_jac, jac, damping)
+        return elim.summed(*prior_terms(self.priors, self.unknowns, self.space.of(c.x))), elim
 
     def _propose(self, c: _Copy, tolerance: float) -> None:
         if not np.isfinite(c.cost):
             c.done = True
             return
-        g, H, elim = self._normal(c, c.damping)
-        u = np.array([float(s.to_coordinate(v)) for s, v in zip(self.specs, c.x, strict=True)])
-        low, high = (self.coordinates - u[:, None]).T
-        logs = np.array([s.transform == "log" for s in self.specs], bool)
-        low = np.where(logs, np.maximum(low, -LARGEST_LOG_STEP), low)
-        high = np.where(logs, np.minimum(high, LARGEST_LOG_STEP), high)
+        normal, elim = self._normal(c, c.damping)
+        u = self.space.of(c.x)
+        low, high = self.space.box(u)
         du = np.zeros(len(u))
         f = c.free
-        if f.any():
-            du[f] = _bounded_step(H[np.ix_(f, f)], g[f], low[f], high[f], c.damping)
-        promise = -float(2.0 * g @ du + du @ H @ du)
-        promise += float(((c.lin.r**2).sum(axis=1) - elim.cost).sum())
+        step = normal.part(f).step(low[f], high[f], c.damping)
+        du[f] = step.du
+        promise = step.promise + float(((c.lin.r**2).sum(axis=1) - elim.cost).sum())
         if promise < tolerance:
             c.done = c.converged = True
             return
         states = np.clip(elim.state_step, -MAX_STATE_STEP, MAX_STATE_STEP)
         states = c.states + states + np.einsum("wxu,u->wx", elim.state_gain, du)
-        new = [float(s.from_coordinate(v)) for s, v in zip(self.specs, u + du, strict=True)]
-        # what is held keeps its digits
-        x = np.where(f, np.clip(new, *self.limits.T), c.x)
+        x = np.where(f, self.space.values(u + du), c.x)  # what is held keeps its digits
         c.trial = (x, c.values.put(self.unknowns, x), states, promise)
 
     def _judge(self, c: _Copy, lin: Linearisation) -> None:
@@ -209,9 +196,9 @@ class _Group:
             c.done = c.converged = c.damping > 1e6
 
     def _ended(self, c: _Copy) -> Fitted:
-        information = np.zeros((len(self.specs),) * 2)
+        information = np.zeros((len(self.unknowns),) * 2)
         if np.isfinite(c.cost):
-            _, information, _ = self._normal(c, 0.0)
+            information = self._normal(c, 0.0)[0].information
         return Fitted(c.values, c.states, c.cost, information, c.converged)
 
 
@@ -221,29 +208,3 @@ def _repeated(problem: Problem, count: int) -> Problem:
     recording = np.concatenate([w.recording + k * n for k in range(count)])
     windows = Windows(recording, np.tile(w.first, count), np.tile(w.count, count), w.horizon)
     return dataclasses.replace(problem, prepared=problem.prepared * count, windows=windows)
-
-
-def _bounded_step(
-    H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray, damping: float
-) -> np.ndarray:
-    """Minimum of `2 g d + d H d` within bounds, damped along the diagonal of H."""
-    scale = np.sqrt(np.maximum(np.diag(H), 1e-12 * max(np.diag(H).max(initial=0.0), 1e-300)))
-    value, vector = np.linalg.eigh(H / np.outer(scale, scale) + damping * np.eye(len(g)))
-    root = np.sqrt(np.maximum(value, 1e-12))
-    A = (vector * root).T  # A'A = H, scaled
-    b = -(vector.T @ (g / scale)) / root
-    span = np.stack([low * scale, np.maximum(high, low + 1e-300) * scale])
-    span[1] = np.maximum(span[1], span[0] + 1e-12)
-    return np.clip(lsq_linear(A, b, (span[0], span[1])).x / scale, low, high)
-
-
-def _coordinate(spec, value: float) -> float:
-    if spec.transform == "log":
-        return float(np.log(max(value, 1e-300)))
-    return float(spec.to_coordinate(value))
-
-
-def _residual(a: GaussianPrior, values: Values, problem: Problem) -> float:
-    spec = parameter(problem, a.unknown)
-    u = spec.to_coordinate(values.get(a.unknown.name, a.unknown.recording))
-    return float((u - a.mean) / a.sd)

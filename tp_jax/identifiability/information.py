@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from tp_jax.estimation.fitted import Fit, parameter
+from tp_jax.estimation.normal_equations import covariance_of, projected
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.identifiability.null_directions import Direction
 from tp_jax.model.parameters import NUISANCES
@@ -52,30 +53,17 @@ def information(fit: Fit, setting: PreparedCampaign) -> Information:
     """
     names = tuple(u.name for u in fit.unknowns)
     scale = np.array([_scale(fit, i) for i in range(len(names))])
-    H = fit.eliminated.H.sum(axis=0) / max(fit.chi2_dof, 1.0)
-    for a in fit.priors:
-        # The prior on T0 only keeps steps finite: what it alone decides is not known.
-        if a.unknown.name in setting.prior_values:
-            i = fit.unknowns.index(a.unknown)
-            slope = parameter(fit.problem, a.unknown).slope(fit.values.get(a.unknown.name))
-            H[i, i] += 1.0 / (a.sd * slope) ** 2
+    # The prior on T0 only keeps steps finite: what it alone decides is not known.
+    stated = [a for a in fit.priors if a.unknown.name in setting.prior_values]
+    normal = fit.normal(stated)
+    H = normal.H / max(fit.chi2_dof, 1.0) + np.diag(normal.prior)
     matrix = H * np.outer(scale, scale)
-    covariance = inverse(matrix)
+    covariance = covariance_of(matrix)
     sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     safe = np.where(sd > 0.0, sd, 1.0)
     correlation = np.clip(covariance / np.outer(safe, safe), -1.0, 1.0)
     np.fill_diagonal(correlation, 1.0)
     return Information(names, matrix, scale, correlation, sd * scale, _weak(matrix, names, UNKNOWN))
-
-
-def inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverse of an information matrix (u, u), scaled first; huge rather than infinite along
-    directions without any information."""
-    least = max(1e-30 * float(np.diag(matrix).max(initial=0.0)), 1e-200)
-    d = np.sqrt(np.maximum(np.diag(matrix), least))
-    value, vector = np.linalg.eigh(matrix / np.outer(d, d))
-    value = np.maximum(value, 1e-14 * max(value.max(initial=0.0), 1e-300))
-    return (vector / value) @ vector.T / np.outer(d, d)
 
 
 def _scale(fit: Fit, i: int) -> float:
@@ -92,11 +80,7 @@ def _weak(matrix: np.ndarray, names: tuple[str, ...], unknown: float) -> tuple[D
     """Eigenvectors of what is left for the parameters when the nuisances are optimised."""
     p = [i for i, n in enumerate(names) if n not in _NUISANCES]
     q = [i for i, n in enumerate(names) if n in _NUISANCES]
-    left = matrix[np.ix_(p, p)]
-    if q:
-        cross = matrix[np.ix_(p, q)]
-        left = left - cross @ inverse(matrix[np.ix_(q, q)]) @ cross.T
-    value, vector = np.linalg.eigh(0.5 * (left + left.T))
+    value, vector = np.linalg.eigh(projected(matrix, p, q))
     out = []
     for size, row in zip(value, vector.T, strict=True):
         largest = float(row[np.argmax(np.abs(row))])

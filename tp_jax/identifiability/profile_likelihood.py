@@ -21,13 +21,14 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.fitted import Fit, GaussianPrior, parameter
+from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.normal_equations import covariance_of
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
+from tp_jax.estimation.priors import GaussianPrior
 from tp_jax.estimation.sharpen import FINELY
 from tp_jax.identifiability.copies import TOLERANCE, Fitted, Start, fit_copies
-from tp_jax.identifiability.information import inverse
 from tp_jax.model.parameters import Parameter
 
 ROUNDS = 8
@@ -163,7 +164,7 @@ def levels_of(fit: Fit, setting: PreparedCampaign) -> tuple[np.ndarray, np.ndarr
     robust, dof = covariance(fit, setting)
     free = ~fit.at_bound
     noise = np.zeros_like(robust)
-    noise[np.ix_(free, free)] = inverse(fit.information()[np.ix_(free, free)])
+    noise[np.ix_(free, free)] = fit.normal().part(free).covariance()
     inflation = np.full(len(free), max(fit.chi2_dof, 1.0))
     a, b = np.diag(robust), np.diag(noise)
     known = free & (b > 0.0)
@@ -237,7 +238,7 @@ class _Search:
 
     def first(self, end: _End, level: float) -> None:
         """The first value: where a parabola would put the end."""
-        spread = np.sqrt(max(inverse(self.best.information)[end.index, end.index], 0.0))
+        spread = np.sqrt(max(covariance_of(self.best.information)[end.index, end.index], 0.0))
         step = np.sqrt(level) * spread
         if self.specs[end.index].transform == "log":
             step = min(step, 1.5)
@@ -296,7 +297,7 @@ class _Search:
 
     def _doubted(self, end: _End, found: Fitted) -> bool:
         """True where a fit is much worse than a parabola says."""
-        spread = np.sqrt(max(inverse(self.best.information)[end.index, end.index], 0.0))
+        spread = np.sqrt(max(covariance_of(self.best.information)[end.index, end.index], 0.0))
         away = (end.trial - self.coordinate(self.best, end.index)) / max(spread, 1e-300)
         times, more = DOUBTFUL
         return not found.cost - self.best.cost <= times * away**2 + more

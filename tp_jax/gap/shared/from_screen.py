@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.effects import Law
-from tp_jax.gap.screen import Scored, Screen, pseudo_inverse
+from tp_jax.estimation.normal_equations import efficient_inverse
+from tp_jax.gap.screen import Scored, Screen
 from tp_jax.gap.shared.scores import RigScores, ScoredVariant
 from tp_jax.gap.structure import dispersions, scores_of_noise
 
@@ -45,7 +46,7 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
     apart = np.concatenate([np.zeros(0, int), *(np.r_[s.rows] for s in named if _rigs_alone(s))])
     if apart.size:
         V = seen.information
-        gain = V[np.ix_(columns, apart)] @ pseudo_inverse(V[np.ix_(apart, apart)])
+        gain = V[np.ix_(columns, apart)] @ efficient_inverse(V[np.ix_(apart, apart)])
         follow[:, apart] -= gain
     information = follow @ seen.information @ follow.T
     noise = information

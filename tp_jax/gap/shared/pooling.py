@@ -14,8 +14,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tp_jax import _tails as tails
+from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.gap.policy import POLICY
-from tp_jax.gap.screen import predicted_drop, pseudo_inverse
+from tp_jax.gap.screen import predicted_drop
 from tp_jax.gap.shared.scores import Key, RigScores, ScoredVariant
 
 NORMAL = 1.96
@@ -71,7 +72,7 @@ class Pooled:
     @property
     def standard_errors(self) -> np.ndarray:
         """(q,) of the amplitudes, if they are the same on all rigs; inf where nothing is known."""
-        variance = np.diag(pseudo_inverse(self.information))
+        variance = np.diag(efficient_inverse(self.information))
         return np.sqrt(np.where(variance > 0.0, variance, np.inf))
 
 
@@ -151,7 +152,7 @@ def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence
     if apart:
         columns = np.concatenate([np.r_[each] for each in apart])
         V = rig.information
-        gain = rows @ V[:, columns] @ pseudo_inverse(V[np.ix_(columns, columns)])
+        gain = rows @ V[:, columns] @ efficient_inverse(V[np.ix_(columns, columns)])
         rows[:, columns] -= gain
     return Part(
         place, rows @ rig.score, rows @ rig.information @ rows.T, rows, max(first.dispersion, 1.0)
@@ -175,11 +176,11 @@ def together(key: Key, parts: Sequence[Part], limits: np.ndarray) -> Pooled:
     q = len(limits)
     V = np.sum([part.information / part.dispersion for part in parts], axis=0)
     S = np.sum([part.score / part.dispersion for part in parts], axis=0)
-    gain = V[:q, q:] @ pseudo_inverse(V[q:, q:])
+    gain = V[:q, q:] @ efficient_inverse(V[q:, q:])
     follow = tuple((part.rows[:q] - gain @ part.rows[q:]) / part.dispersion for part in parts)
     score, information = S[:q] - gain @ S[q:], V[:q, :q] - gain @ V[q:, :q]
     estimate, drop, _ = predicted_drop(limits, information, score)
-    others = -pseudo_inverse(V[q:, q:]) @ (S[q:] + V[q:, :q] @ estimate)
+    others = -efficient_inverse(V[q:, q:]) @ (S[q:] + V[q:, :q] @ estimate)
     return Pooled(key, tuple(parts), follow, score, information, limits, estimate, drop, others)
 
 
@@ -191,12 +192,12 @@ def _limits(rigs: Sequence[RigScores], key: Key) -> np.ndarray:
 def agreement(pooled: Pooled) -> Agreement:
     """Tests whether the rigs agree on a pooled effect's amplitudes, with the kind's others held."""
     q, a = len(pooled.score), pooled.estimate
-    total, dof = 0.0, -np.linalg.matrix_rank(pseudo_inverse(pooled.information), hermitian=True)
+    total, dof = 0.0, -np.linalg.matrix_rank(efficient_inverse(pooled.information), hermitian=True)
     factors, weights, alone = [], [], []
     for part in pooled.parts:
         score = (part.score[:q] + part.information[:q, q:] @ pooled.others) / part.dispersion
         V = part.information[:q, :q] / part.dispersion
-        inverse = pseudo_inverse(V)
+        inverse = efficient_inverse(V)
         rank = np.linalg.matrix_rank(inverse, hermitian=True)
         left = score + V @ a
         total += float(left @ inverse @ left)
@@ -229,7 +230,7 @@ def cosine(
     ]
     V = np.sum([part.information / part.dispersion for part in parts], axis=0)
     q, n = sizes[a], sizes[a] + sizes[b]
-    V = V[:n, :n] - V[:n, n:] @ pseudo_inverse(V[n:, n:]) @ V[n:, :n]
+    V = V[:n, :n] - V[:n, n:] @ efficient_inverse(V[n:, n:]) @ V[n:, :n]
     return canonical(V[:q, :q], V[:q, q:], V[q:, q:])
 
 
@@ -246,5 +247,5 @@ def _size(rigs: Sequence[RigScores], key: Key) -> int:
 
 def _root(V: np.ndarray) -> np.ndarray:
     """Root of the inverse information."""
-    value, vector = np.linalg.eigh(pseudo_inverse(V))
+    value, vector = np.linalg.eigh(efficient_inverse(V))
     return vector * np.sqrt(np.maximum(value, 0.0)) @ vector.T

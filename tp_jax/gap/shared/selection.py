@@ -14,9 +14,9 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax._blas import one_blas_thread
+from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.gap.detectability import TIED
 from tp_jax.gap.policy import POLICY, SharedPolicy
-from tp_jax.gap.screen import pseudo_inverse
 from tp_jax.gap.shared.pooling import Agreement, Pooled, agreement, cosine, pool
 from tp_jax.gap.shared.scores import Key, RigScores
 from tp_jax.gap.structure import roots
@@ -153,7 +153,7 @@ def _drops(pooled: Pooled, scores: np.ndarray) -> np.ndarray:
     Without bounds there are larger ones, so the test of several bounded amplitudes errs on the
     safe side.
     """
-    inverse = pseudo_inverse(pooled.information)
+    inverse = efficient_inverse(pooled.information)
     drop = np.einsum("qd,qd->d", inverse @ scores, scores)
     if len(scores) > 1:
         return drop
