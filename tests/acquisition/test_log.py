@@ -1,13 +1,16 @@
 """What is told of a recording: counts of what is missing."""
 
-from types import SimpleNamespace
+from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tp_jax.acquisition.port import Port
 from tp_jax.acquisition.run_log import RunLog, Settings
+from tp_jax.acquisition.streams import Stream
 from tp_jax.acquisition.timeline import Timeline
 
 PERIOD = 1000  # µs
@@ -16,8 +19,8 @@ PERIOD = 1000  # µs
 def lost(steps, jumps, duration, size=5):
     """Samples lost of a run, and its timeline: steps of the sequence, jumps of the clock [µs]."""
     timeline = Timeline(1e-6 * PERIOD, 0)
-    stream = SimpleNamespace(timeline=timeline, kind="frames", names=("t", "phi1"))
-    log = RunLog(None, None, stream, Settings(duration))
+    stream = Mock(spec=Stream, timeline=timeline, kind="frames", names=("t", "phi1"))
+    log = RunLog(Path("run.csv"), Mock(spec=Port), stream, Settings(duration))
     sequence = np.cumsum(steps)
     times = sequence * PERIOD + np.cumsum(jumps)
     for i in range(0, sequence.size, size):

@@ -84,7 +84,10 @@ def test_one_bad_byte_in_a_hundred(corrupt, drop):
     share = got.size / len(SENT)
     assert 0.76 < share < 0.82  # 0.99^24 is 0.786
     sent = np.array([list(SENT[i]) for i in got["sequence"]], dtype=np.uint8)
-    again = [protocol.sample(1, int(s["sequence"]), int(s["time"]), s["readings"]) for s in got]
+    again = [
+        protocol.sample(1, int(s["sequence"]), int(s["time"]), tuple(s["readings"].tolist()))
+        for s in got
+    ]
     np.testing.assert_array_equal(sent, [list(each) for each in again])
     assert parser.corrupt > 0.15 * len(SENT)
 

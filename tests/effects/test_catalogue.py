@@ -10,6 +10,7 @@ import pytest
 
 import tp_jax.effects
 from tp_jax.effects import CHANNELS, Amplitude, Effect, Shape, catalogue, get, register, unregister
+from tp_jax.model.motion import Motion
 
 #: Ids and locations are fixed: results and checks use them.
 LOCATIONS = {
@@ -244,5 +245,5 @@ def test_an_effect_of_ones_own_brings_its_clause():
 def test_an_effect_must_define_its_increment():
     faulty = type("Faulty", (Effect,), {"id": "faulty"})
     with pytest.raises(NotImplementedError, match="faulty"):
-        faulty().increment(None)
+        faulty().increment(Motion(t=0.0))
     assert Shape("n", "1", (1.0,)).continuous is False

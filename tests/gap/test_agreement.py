@@ -5,16 +5,24 @@ from types import SimpleNamespace as Some
 import numpy as np
 import pytest
 
+from tests.standing_in import standing_in
+from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import agreement as module
 from tp_jax.gap.agreement import agreement
+from tp_jax.gap.choice import Choice
+from tp_jax.gap.held_out import HeldOut
 
-SETTING = Some(recordings=[Some(label=label) for label in ("first", "second", "third", "held")])
+SETTING = standing_in(
+    PreparedCampaign,
+    recordings=[Some(label=label) for label in ("first", "second", "third", "held")],
+)
 
 
 def fit(left_out, recording=(0, 0, 1, 2)):
     """With a sum of squares in each window when it is left out."""
     windows = Some(recording=np.array(recording))
-    return Some(problem=Some(windows=windows), left_out=np.array(left_out, float))
+    return standing_in(Fit, problem=Some(windows=windows), left_out=np.array(left_out, float))
 
 
 def held(squares, complete=True):
@@ -22,9 +30,8 @@ def held(squares, complete=True):
     r = np.sqrt(np.array(squares, float))[:, None]
     rows = np.concatenate([r, np.ones((r.size, 4))], axis=1)  # and the prior's, which do not count
     windows = Some(recording=np.full(r.size, 3))
-    return Some(
-        complete=complete, fit=Some(problem=Some(windows=windows), linearisation=Some(r=rows))
-    )
+    fit = standing_in(Fit, problem=Some(windows=windows), linearisation=Some(r=rows))
+    return standing_in(HeldOut, complete=complete, fit=fit)
 
 
 @pytest.fixture(autouse=True)
@@ -33,7 +40,8 @@ def as_given(monkeypatch):
 
 
 def choice(without, with_it):
-    return Some(rounds=[Some(searched=fit(without), refits={"spin": Some(fit=fit(with_it))})])
+    refits = {"spin": Some(fit=fit(with_it))}
+    return standing_in(Choice, rounds=[Some(searched=fit(without), refits=refits)])
 
 
 def test_recordings_are_counted_by_what_each_of_them_says():

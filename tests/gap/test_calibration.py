@@ -12,11 +12,14 @@ import numpy as np
 import pytest
 
 from tests.rigs import synthetic_campaign
+from tests.standing_in import standing_in
 from tp_jax.effects import get
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.problem import Problem
 from tp_jax.gap.calibration import columns, floor, noise_alone
 from tp_jax.gap.choice import _worth_refitting
 from tp_jax.gap.held_out import HeldOut, shrink
@@ -103,7 +106,8 @@ def linear_fit(setting, effect=0.0):
     at = eliminate(r, states_jac, jac[..., :1])
     r += np.einsum("wmx,wx->wm", states_jac, at.state_step)
     at = eliminate(r, states_jac, jac[..., :1])
-    problem = types.SimpleNamespace(
+    problem = standing_in(
+        Problem,
         windows=windows,
         sigma=problem.sigma,
         whiten=problem.whiten,
@@ -111,7 +115,8 @@ def linear_fit(setting, effect=0.0):
         B1=problem.B1,
         linearise=lambda _values, _states, names: linearisation(names),
     )
-    return types.SimpleNamespace(
+    return standing_in(
+        Fit,
         problem=problem,
         linearisation=linearisation(["k"]),
         unknowns=(Unknown("k"),),

@@ -5,7 +5,10 @@ import types
 import numpy as np
 import pytest
 
+from tests.standing_in import standing_in
 from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.layout import Unknown
 from tp_jax.gap.crossvalidation import FOLDS, folds, gain, left_out_cost
 
 
@@ -18,7 +21,7 @@ def linear_fit(rng, windows=20, m=12, u=3):
     x = -np.linalg.solve(elim.H.sum(axis=0), elim.g.sum(axis=0))
     at = eliminate(y + jac @ x, states, jac)
     cut = types.SimpleNamespace(recording=np.zeros(windows, int), n=windows)
-    names = [types.SimpleNamespace(name=n, recording=None) for n in ("k", "c1", "M1")]
+    names = [Unknown(n) for n in ("k", "c1", "M1")]
     spec = types.SimpleNamespace(transform="log", typical=1.0)
     problem = types.SimpleNamespace(
         windows=cut,
@@ -28,7 +31,8 @@ def linear_fit(rng, windows=20, m=12, u=3):
             index={"k": 0, "c1": 1, "M1": 2},
         ),
     )
-    fit = types.SimpleNamespace(
+    fit = standing_in(
+        Fit,
         problem=problem,
         eliminated=at,
         at_bound=np.zeros(3, bool),

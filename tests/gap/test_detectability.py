@@ -1,17 +1,17 @@
 """Detectable sizes and ties from information matrices."""
 
-import types
-
 import numpy as np
 import pytest
 from scipy import stats
 
+from tests.standing_in import standing_in
 from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.gap.detectability import minimum_detectable, needed_noncentrality
+from tp_jax.gap.screen import Scored
 
 
 def seen(V, lower=-np.inf, upper=np.inf):
-    return types.SimpleNamespace(V=np.asarray(V), limits=np.array([(lower, upper)] * len(V)))
+    return standing_in(Scored, V=np.asarray(V), limits=np.array([(lower, upper)] * len(V)))
 
 
 def test_noncentrality_of_one_amplitude_is_that_of_a_normal():

@@ -5,8 +5,9 @@ import types
 import numpy as np
 import pytest
 
+from tests.standing_in import standing_in
 from tp_jax.estimation.baseline import fit_over_schedule, initial_values
-from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.gap.forecast import Alternative, _left, forecasts, natural_frequency
@@ -18,6 +19,7 @@ from tp_jax.rig.campaign import make_campaign
 
 DURATION = 3.0
 RUNS = (Run(omega=9.0), Run(release=0.3))
+NUMBERS = standing_in(Values)
 
 
 def test_natural_frequency():
@@ -53,8 +55,8 @@ def of_saved(lin):
 
 def test_a_rival_is_left_with_what_no_fit_of_it_explains():
     lin, prior = saved(np.random.default_rng(0)), np.diag([5.0, 0.5])
-    rival = Alternative(None, (Unknown("k"), Unknown("Ts1")), prior, 1.0)
-    left = _left(of_saved(lin), None, rival)
+    rival = Alternative(NUMBERS, (Unknown("k"), Unknown("Ts1")), prior, 1.0)
+    left = _left(of_saved(lin), NUMBERS, rival)
     for run in range(2):
         which = np.flatnonzero(lin.recording == run)
         # the windows' states and the rival's numbers at once, with what is known of these
@@ -71,7 +73,7 @@ def test_a_rival_is_left_with_what_no_fit_of_it_explains():
 def test_a_run_that_a_rival_cannot_follow_is_told_and_the_other_judged():
     lin = saved(np.random.default_rng(1))
     lin.complete[1] = False  # a window of the second run
-    left = _left(of_saved(lin), None, Alternative(None, (Unknown("k"),), np.eye(1), 1.0))
+    left = _left(of_saved(lin), NUMBERS, Alternative(NUMBERS, (Unknown("k"),), np.eye(1), 1.0))
     assert np.isfinite(left[0])
     assert np.isnan(left[1])
 
@@ -79,7 +81,7 @@ def test_a_run_that_a_rival_cannot_follow_is_told_and_the_other_judged():
 def test_what_is_known_of_a_rival_leaves_more():
     lin, unknowns = saved(np.random.default_rng(2)), (Unknown("k"), Unknown("Ts1"))
     free, known = (
-        _left(of_saved(lin), None, Alternative(None, unknowns, size * np.eye(2), 1.0))
+        _left(of_saved(lin), NUMBERS, Alternative(NUMBERS, unknowns, size * np.eye(2), 1.0))
         for size in (1e-6, 1e6)
     )
     assert (free < known).all()

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from tests import noisy
+from tests.standing_in import standing_in
 from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.gap.known_noise import with_noise_of
 from tp_jax.gap.policy import POLICY
@@ -26,7 +28,8 @@ def drawn(step, count=400):
     predicted[:, :, 0] = 0.01 * np.sin(np.linspace(0.0, 3.0, SAMPLES))
     columns = np.zeros((3, 2 * SAMPLES + 4, 1), dtype=np.float32)
     columns[:, : 2 * SAMPLES : 2, 0] = 1.0
-    problem = SimpleNamespace(
+    problem = standing_in(
+        Problem,
         sigma=np.full((3, 2), LEVEL),
         whiten=lambda r: None,
         windows=SimpleNamespace(recording=np.array([0, 0, 1])),

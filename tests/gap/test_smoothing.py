@@ -5,16 +5,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.standing_in import standing_in
+from tp_jax.estimation.fitted import Fit
 from tp_jax.gap.choice import LITTLE, SMOOTHING, _may_be_smoothing
 
 SAMPLES = 1000
 
 
-def fit(removable: float) -> SimpleNamespace:
+def fit(removable: float) -> Fit:
     """A fit that leaves so much beyond the noise; four rows more are a state's prior."""
     r = np.zeros((1, SAMPLES + 4))
     r[0, :SAMPLES] = np.sqrt(1.0 + removable / SAMPLES)
-    return SimpleNamespace(linearisation=SimpleNamespace(r=r), dof=SAMPLES)
+    return standing_in(Fit, linearisation=SimpleNamespace(r=r), dof=SAMPLES)
 
 
 @pytest.mark.parametrize(

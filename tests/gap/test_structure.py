@@ -6,22 +6,24 @@ import types
 import numpy as np
 import pytest
 
+from tests.standing_in import standing_in
+from tp_jax.gap.screen import Screen
 from tp_jax.gap.structure import structure_test
 
 CANDIDATES, COMMON = 12, 3
 
 
-def as_screen(blocks, V, sizes):
+def as_screen(blocks, V, sizes, **known):
     """Scores (B, E) of effects with so many amplitudes, and their information (B, E, E)."""
     rows = [slice(a, b) for a, b in itertools.pairwise(np.cumsum([0, *sizes]))]
     scored = tuple(types.SimpleNamespace(blocks=blocks[:, r], rows=r) for r in rows)
-    return types.SimpleNamespace(
+    return standing_in(
+        Screen,
         scored=scored,
         information_by_block=V,
-        by_block=V,
         information=V.sum(axis=0),
-        covariance=np.zeros((0, 0)),
         rounding=None,
+        **{"by_block": V, "covariance": np.zeros((0, 0)), **known},
     )
 
 
@@ -125,9 +127,8 @@ def fitted_noise(rng, n_blocks, samples=12, unknowns=5, candidates=8):
     follow[:unknowns, :candidates] = -gain
     joint = follow.T @ H @ follow
     V = joint[:, :candidates, :candidates]
-    seen = as_screen(g[:, unknowns:] - g[:, :unknowns] @ gain, V, [1] * candidates)
-    seen.by_block, seen.covariance = joint, covariance
-    return seen
+    blocks = g[:, unknowns:] - g[:, :unknowns] @ gain
+    return as_screen(blocks, V, [1] * candidates, by_block=joint, covariance=covariance)
 
 
 @pytest.mark.parametrize("n_blocks", [4, 6, 12])

@@ -65,7 +65,7 @@ def test_a_ring_that_winds():
     angle = np.array([0.3, 1.2, -1.4])
     np.testing.assert_allclose(error.at(angle + 7.0 * np.pi), error.at(angle), atol=1e-12)
     narrow = CalibrationError("", np.array([0.0, 1.0]), np.array([[1.0, 2.0]]))
-    np.testing.assert_array_equal(narrow.at([-3.0, 0.5, 3.0]), [[1.0, 1.5, 2.0]])
+    np.testing.assert_array_equal(narrow.at(np.array([-3.0, 0.5, 3.0])), [[1.0, 1.5, 2.0]])
 
 
 def test_at_the_fold_the_nearest_angle_stands_for_it(campaign_folder):

@@ -1,12 +1,14 @@
 """Figures of a multi-start search."""
 
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 pytest.importorskip("matplotlib")
 
+from tp_jax.estimation.identification import Identification
 from tp_jax.report import style
 from tp_jax.report.starts import FIGURES
 
@@ -24,7 +26,8 @@ def result(costs):
             SimpleNamespace(start=SimpleNamespace(point=point), end=SimpleNamespace(cost=cost, x=x))
         )
     unknowns = tuple(SimpleNamespace(name=n) for n in NAMES)
-    return SimpleNamespace(trials=tuple(trials), fit=SimpleNamespace(unknowns=unknowns))
+    fit = SimpleNamespace(unknowns=unknowns)
+    return Mock(spec=Identification, trials=tuple(trials), fit=fit)
 
 
 def lines(figure):

@@ -131,6 +131,10 @@ def test_a_diagnosis_does_what_can_be_done_with_it(tmp_path):
 def test_a_dictionary_is_read_and_not_taken_for_a_field():
     with pytest.raises(TypeError):
         DiagnosisRecord({"schema": VERSION})
+
+
+@pytest.mark.unchecked
+def test_a_path_is_not_read():
     with pytest.raises(TypeError, match="read from a dictionary, not from str"):
         DiagnosisRecord.read("diagnosis.json")
 

@@ -78,7 +78,7 @@ def test_takes_the_steps_of_the_batch_engine(eps, tolerance):
     ran = integrate(
         parts.field,
         p,
-        y0[:, None],
+        jnp.asarray(y0)[:, None],
         np.array([0.0, SPAN]),
         (p[parts.eps[0]], p[parts.eps[1]]),
         Control(angle=tolerance),

@@ -156,6 +156,7 @@ def test_single_pendulum_with_dry_friction():
     np.testing.assert_allclose(simulate(model, ts).phi1, expected[:, 0], rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.unchecked
 @pytest.mark.parametrize("ts", [[0.0], 1.0, [[0.0, 1.0], [2.0, 3.0]]])
 def test_times_must_be_a_row(ts):
     with pytest.raises(ValueError, match="Argument `ts` must"):
@@ -197,6 +198,7 @@ def test_what_takes_too_many_steps_ends_early():
     np.testing.assert_allclose(run.phi2[:there], expected[:, 1], rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.unchecked
 @pytest.mark.parametrize("y0", [0.0, [0.0, 0.0], np.zeros((4, 1)), np.zeros(5)])
 def test_a_start_must_fit_the_model(y0):
     with pytest.raises(ValueError, match="Argument `y0` must have shape"):

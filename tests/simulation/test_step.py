@@ -23,8 +23,8 @@ def field(t, y, p):
 def test_steps_as_the_method_is_defined():
     method = RODAS4
     rng = np.random.default_rng(1)
-    t, h = rng.uniform(0.0, 2.0, LANES), np.array([1e-4, 0.02, 0.1])
-    y, p = rng.normal(size=(5, LANES)), rng.uniform(0.5, 2.0, (2, LANES))
+    t, h = jnp.asarray(rng.uniform(0.0, 2.0, LANES)), jnp.array([1e-4, 0.02, 0.1])
+    y, p = jnp.asarray(rng.normal(size=(5, LANES))), jnp.asarray(rng.uniform(0.5, 2.0, (2, LANES)))
     f = field(t, tuple(y), tuple(p))
     made = advance(field, structure(field, 5, 2), method, t, h, list(y), list(f), tuple(p))
     for lane in range(LANES):
@@ -41,7 +41,7 @@ def test_steps_as_the_method_is_defined():
 
 
 def test_sums_leave_out_what_has_no_weight():
-    stages = [[np.array([1.0])], [np.array([np.nan])], [np.array([3.0])]]
+    stages = [[jnp.array([1.0])], [jnp.array([jnp.nan])], [jnp.array([3.0])]]
     assert combine(np.array([2.0, 0.0, 1.0, 0.0]), stages, 0) == 5.0
 
 
@@ -56,8 +56,9 @@ def test_inside_a_step_a_quintic_is_exact(rate):
     derivatives = lambda t: [*at(t, 1), *(a / rate for a in at(t, 2))]  # noqa: E731
     start = np.zeros(2)
     ends = state(start), derivatives(start), state(h), derivatives(h)
+    ends = [[jnp.asarray(x) for x in each] for each in ends]
     for velocities in (True, False):
-        found = between(xs, h, *ends, rate, velocities)
+        found = between(xs, jnp.asarray(h), *ends, rate, velocities)
         for x, values in zip(xs, found, strict=True):
             expected = state(x * h)[: 4 if velocities else 2]
             np.testing.assert_allclose(values, expected, rtol=1e-10, atol=1e-10)

@@ -339,7 +339,7 @@ def add_overwrite(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_seed(parser: argparse.ArgumentParser) -> None:
+def add_seed(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
     parser.add_argument(
         "--seed", metavar="N", type=whole, default=0, help="same seed, same result (default 0)"
     )

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from io import TextIOBase
 from typing import TextIO
 
 from tp_jax import _compiling
@@ -121,7 +122,11 @@ def shown(*, quiet: bool, form: str = "auto") -> Iterator[Progress]:
 
 
 def _lines(
-    stream: TextIO, written: Callable[[State], str], every_s: float, *, each_stage: bool
+    stream: TextIO | TextIOBase,
+    written: Callable[[State], str],
+    every_s: float,
+    *,
+    each_stage: bool,
 ) -> Progress:
     """Writes a line at most every so many seconds; at once for a new stage, where that is asked."""
     watch, last = Watch(), (-every_s, "")

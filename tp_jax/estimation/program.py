@@ -192,7 +192,7 @@ class _Rows(NamedTuple):
         return every
 
 
-def _slots(layout: Layout, p: Sequence[Array]) -> tuple[Array, ...]:
+def _slots(layout: Layout, p: Sequence[Array] | Array) -> tuple[Array, ...]:
     """Numbers by slot, without what follows them.
 
     Only a model is made without the rows to spare: a program that is taken for another layout's

@@ -1,4 +1,4 @@
-"""Conversion of parameters to float64 arrays, and the type of what NumPy and JAX take."""
+"""Conversion of parameters to float64 arrays, and types of what NumPy and JAX take."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -8,6 +8,9 @@ from jaxtyping import Array, Float
 import tp_jax._float64  # noqa: F401
 
 AnyArray = Array | np.ndarray
+
+#: A real number, or an array of them of any shape.
+Real = Float[AnyArray, "..."] | float
 
 
 def as_float(x: ArrayLike) -> Float[Array, "..."]:

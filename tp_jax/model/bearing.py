@@ -3,7 +3,7 @@
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from tp_jax.model.arrays import as_float
+from tp_jax.model.arrays import Real, as_float
 from tp_jax.model.friction import smooth_sign
 
 
@@ -17,14 +17,14 @@ class Bearing(eqx.Module):
     M1: Float[Array, "..."] = eqx.field(converter=as_float)
     eps: Float[Array, "..."] = eqx.field(converter=as_float)
 
-    def viscous(self, v: Float[Array, "..."]) -> Float[Array, "..."]:
+    def viscous(self, v: Real) -> Float[Array, "..."]:
         """Viscous part [N m]."""
         return self.c1 * v
 
-    def dry(self, v: Float[Array, "..."]) -> Float[Array, "..."]:
+    def dry(self, v: Real) -> Float[Array, "..."]:
         """Dry part [N m]."""
         return self.M1 * smooth_sign(v, self.eps)
 
-    def torque(self, v: Float[Array, "..."]) -> Float[Array, "..."]:
+    def torque(self, v: Real) -> Float[Array, "..."]:
         """M_L [N m]."""
         return self.viscous(v) + self.dry(v)

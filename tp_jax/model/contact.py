@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from tp_jax.model.arrays import as_float
+from tp_jax.model.arrays import Real, as_float
 from tp_jax.model.friction import rising_sign, smooth_sign
 
 
@@ -25,18 +25,18 @@ class Contact(eqx.Module):
     eps: Float[Array, "..."] = eqx.field(converter=as_float)
     Ts2: Float[Array, "..."] = eqx.field(converter=as_float, default=0.0)
 
-    def viscous(self, v: Float[Array, "..."]) -> Float[Array, "..."]:
+    def viscous(self, v: Real) -> Float[Array, "..."]:
         """Viscous part [N m]."""
         return self.Tv * v
 
-    def dry(self, v: Float[Array, "..."]) -> Float[Array, "..."]:
+    def dry(self, v: Real) -> Float[Array, "..."]:
         """Dry part [N m]: the smoothed Coulomb term and the one that rises with T0."""
         return self.Ts1 * smooth_sign(v, self.eps) + self.Tst * rising_sign(v, self.T0)
 
-    def torque(self, v: Float[Array, "..."]) -> Float[Array, "..."]:
+    def torque(self, v: Real) -> Float[Array, "..."]:
         """M_T without the Ts2 term [N m]."""
         return self.viscous(v) + self.dry(v)
 
-    def printed_torque(self, v: Float[Array, "..."]) -> Float[Array, "..."]:
+    def printed_torque(self, v: Real) -> Float[Array, "..."]:
         """M_T as printed, with `Ts2 (1 - sgn |v|)` [N m]."""
         return self.torque(v) + self.Ts2 * (1.0 - jnp.sign(jnp.abs(v)))

@@ -14,12 +14,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-import tp_jax._float64  # noqa: F401
+from tp_jax.model.arrays import AnyArray, Real
 
 
-def dahl_rate(
-    rate: Float[Array, "..."], z: Float[Array, "..."], z0: Float[Array, "..."]
-) -> Float[Array, "..."]:
+def dahl_rate(rate: Real, z: Real, z0: Real) -> Float[AnyArray, "..."]:
     """z' [rad/s].
 
     Args:

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from tp_jax.model.arrays import AnyArray, as_float
+from tp_jax.model.arrays import AnyArray, Real, as_float
 from tp_jax.model.elementary import sine
 
 
@@ -27,7 +27,7 @@ class AbstractDrive(eqx.Module):
     def angle(self, t: Float[AnyArray, "..."], theta: Float[Array, "..."]) -> Float[Array, "..."]:
         """Angle f_e of the spring's far end [rad]."""
 
-    def later(self, t: Float[AnyArray, "..."], a: Float[Array, "..."]) -> Float[AnyArray, "..."]:
+    def later(self, t: Float[AnyArray, "..."], a: Real) -> Float[AnyArray, "..."]:
         """Returns what the angle gains [rad] if a measured drive is read `a` seconds later.
 
         A sine is commanded, not read: it gains nothing.
@@ -123,13 +123,13 @@ class LanewiseDrive(AbstractDrive):
     then (`later`).
     """
 
-    A: Float[Array, "..."]
-    omega: Float[Array, "..."]
-    offset: Float[Array, "..."]
-    gain: Float[Array, "..."]
-    level: Float[Array, "..."]
-    piece: Float[Array, "4 ..."] | Sequence[AnyArray]
-    left: Float[Array, "..."]
+    A: Real
+    omega: Real
+    offset: Real
+    gain: Real
+    level: Real
+    piece: Float[AnyArray, "4 ..."] | Sequence[Real]
+    left: Real
 
     def phase(self, t):
         return self.omega * t + self.offset
@@ -154,8 +154,6 @@ class LanewiseDrive(AbstractDrive):
         return self.level
 
 
-def cubic(
-    c: Float[Array, "4 ..."] | Sequence[AnyArray], x: Float[AnyArray, "..."]
-) -> Float[AnyArray, "..."]:
+def cubic(c: Float[AnyArray, "4 ..."] | Sequence[Real], x: Real) -> Real:
     """Value at `x` of the cubic with coefficients `c`, highest power first."""
     return ((c[0] * x + c[1]) * x + c[2]) * x + c[3]

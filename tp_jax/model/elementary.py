@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-import tp_jax._float64  # noqa: F401
+from tp_jax.model.arrays import AnyArray, Real
 
 # Interpolation at Chebyshev nodes of arctan(sqrt w)/sqrt w on [0, tan^2(pi/8)], and of
 # sin(sqrt w)/sqrt w and cos(sqrt w) on [0, (pi/2)^2]: errors 3e-17, 2e-19 and 4e-18, computed to
@@ -61,7 +61,7 @@ _PI_LOW = 1.2154201013012384e-10
 
 
 @jax.custom_jvp
-def arctan(x: Float[Array, "..."]) -> Float[Array, "..."]:
+def arctan(x: Real) -> Float[Array, "..."]:
     """Inverse tangent [rad], elementwise.
 
     Args:
@@ -85,7 +85,7 @@ def _(primals, tangents):
 
 
 @jax.custom_jvp
-def sine_cosine(x: Float[Array, "..."]) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
+def sine_cosine(x: Real) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
     """Sine and cosine of an angle [rad], elementwise; each is the other's derivative.
 
     Args:
@@ -108,17 +108,17 @@ def _(primals, tangents):
     return (s, c), (c * dx, -s * dx)
 
 
-def sine(x: Float[Array, "..."]) -> Float[Array, "..."]:
+def sine(x: Real) -> Float[Array, "..."]:
     """Sine of an angle [rad], elementwise (see `sine_cosine`)."""
     return sine_cosine(x)[0]
 
 
-def cosine(x: Float[Array, "..."]) -> Float[Array, "..."]:
+def cosine(x: Real) -> Float[Array, "..."]:
     """Cosine of an angle [rad], elementwise (see `sine_cosine`)."""
     return sine_cosine(x)[1]
 
 
-def _polynomial(coefficients: tuple[float, ...], w: Array) -> Array:
+def _polynomial(coefficients: tuple[float, ...], w: AnyArray) -> Array:
     """Value at `w`, lowest power first, by Horner's rule."""
     total = jnp.full_like(w, coefficients[-1])
     for c in coefficients[-2::-1]:

@@ -3,10 +3,11 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from tp_jax.model.arrays import Real
 from tp_jax.model.elementary import arctan
 
 
-def smooth_sign(v: Float[Array, "..."], eps: Float[Array, "..."]) -> Float[Array, "..."]:
+def smooth_sign(v: Real, eps: Real) -> Float[Array, "..."]:
     """Smoothed sign of a velocity, `(2/pi) arctan(eps v)`.
 
     Args:
@@ -19,7 +20,7 @@ def smooth_sign(v: Float[Array, "..."], eps: Float[Array, "..."]) -> Float[Array
     return (2.0 / jnp.pi) * arctan(eps * v)
 
 
-def rising_sign(v: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Array, "..."]:
+def rising_sign(v: Real, rate: Real) -> Float[Array, "..."]:
     """`(1 - exp(-rate |v|)) sgn v`: dry friction that builds up with speed, zero at rest.
 
     Args:

@@ -51,7 +51,7 @@ class Parameter:
             self, lower=self.lower * f, upper=self.upper * f, typical=self.typical * f
         )
 
-    def to_coordinate(self, value: np.ndarray | float) -> np.ndarray:
+    def to_coordinate(self, value: np.ndarray | float) -> np.ndarray | float:
         """Value to the coordinate in which it is estimated."""
         value = np.asarray(value, dtype=float)
         if self.transform == "log":
@@ -59,7 +59,7 @@ class Parameter:
         scaled = value / self.typical
         return np.arcsinh(scaled) if self.transform == "asinh" else scaled
 
-    def from_coordinate(self, u: np.ndarray | float) -> np.ndarray:
+    def from_coordinate(self, u: np.ndarray | float) -> np.ndarray | float:
         """Coordinate to value."""
         u = np.asarray(u, dtype=float)
         if self.transform == "log":

@@ -7,6 +7,8 @@ the size of a laboratory stand, on which benchmarks run.
 import math
 from typing import Any
 
+from jax.typing import ArrayLike
+
 from tp_jax.model.bearing import Bearing
 from tp_jax.model.contact import Contact
 from tp_jax.model.drive import SineDrive
@@ -95,21 +97,21 @@ def get(name: str) -> DoubleTorsionPendulum:
 
 def double_pendulum(
     *,
-    B1: float,
-    B2: float,
-    k: float,
-    A: float,
-    omega: float,
-    c1: float,
-    M1: float,
-    Tv: float,
-    Ts1: float,
-    Tst: float,
-    T0: float,
-    Ts2: float = 0.0,
-    eps: float = DEFAULT_EPS,
-    phase: float = 0.0,
-    reaction: float = NEWTON_REACTION,
+    B1: ArrayLike,
+    B2: ArrayLike,
+    k: ArrayLike,
+    A: ArrayLike,
+    omega: ArrayLike,
+    c1: ArrayLike,
+    M1: ArrayLike,
+    Tv: ArrayLike,
+    Ts1: ArrayLike,
+    Tst: ArrayLike,
+    T0: ArrayLike,
+    Ts2: ArrayLike = 0.0,
+    eps: ArrayLike = DEFAULT_EPS,
+    phase: ArrayLike = 0.0,
+    reaction: ArrayLike = NEWTON_REACTION,
     terms: tuple = (),
 ) -> DoubleTorsionPendulum:
     """A sine-driven double torsion pendulum from plain numbers in SI units."""
@@ -127,14 +129,14 @@ def double_pendulum(
 
 def single_pendulum(
     *,
-    B1: float,
-    k: float,
-    A: float,
-    omega: float,
-    c1: float,
-    M1: float,
-    eps: float = DEFAULT_EPS,
-    phase: float = 0.0,
+    B1: ArrayLike,
+    k: ArrayLike,
+    A: ArrayLike,
+    omega: ArrayLike,
+    c1: ArrayLike,
+    M1: ArrayLike,
+    eps: ArrayLike = DEFAULT_EPS,
+    phase: ArrayLike = 0.0,
     terms: tuple = (),
 ) -> SingleTorsionPendulum:
     """A sine-driven column without a rider, from plain numbers in SI units.

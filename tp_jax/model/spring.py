@@ -3,7 +3,7 @@
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from tp_jax.model.arrays import as_float
+from tp_jax.model.arrays import Real, as_float
 
 
 class LinearSpring(eqx.Module):
@@ -11,10 +11,10 @@ class LinearSpring(eqx.Module):
 
     k: Float[Array, "..."] = eqx.field(converter=as_float)
 
-    def torque(self, d: Float[Array, "..."]) -> Float[Array, "..."]:
+    def torque(self, d: Real) -> Float[Array, "..."]:
         """Torque on the column [N m]."""
         return self.k * d
 
-    def energy(self, d: Float[Array, "..."]) -> Float[Array, "..."]:
+    def energy(self, d: Real) -> Float[Array, "..."]:
         """Stored energy [J]."""
         return 0.5 * self.k * d**2

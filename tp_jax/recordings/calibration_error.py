@@ -41,19 +41,19 @@ class CalibrationError:
     angle: np.ndarray
     modes: np.ndarray
 
-    def at(self, angle: np.ndarray) -> np.ndarray:
+    def at(self, angle: np.ndarray | float) -> np.ndarray:
         """(q, n) shapes [rad] at (n,) angles [rad]."""
         return self._interpolated(self.modes, angle)
 
-    def slope(self, angle: np.ndarray) -> np.ndarray:
+    def slope(self, angle: np.ndarray | float) -> np.ndarray:
         """(q, n) slopes of the shapes [rad/rad] at (n,) angles [rad]."""
         return self._interpolated(np.gradient(self.modes, self.angle, axis=1), angle)
 
-    def standard_error(self, angle: np.ndarray) -> np.ndarray:
+    def standard_error(self, angle: np.ndarray | float) -> np.ndarray:
         """(n,) standard errors [rad] of the angle read, at (n,) angles [rad]."""
         return np.sqrt((self.at(angle) ** 2).sum(axis=0))
 
-    def _interpolated(self, values: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    def _interpolated(self, values: np.ndarray, angle: np.ndarray | float) -> np.ndarray:
         low, high = self.angle[0], self.angle[-1]
         x = np.asarray(angle, dtype=float)
         if math.isclose(high - low, math.pi):  # such sensors repeat themselves after half a turn

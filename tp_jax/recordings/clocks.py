@@ -146,7 +146,7 @@ def fall_of(t: np.ndarray, dated: bool, period: float | None) -> Fall | None:
     return Fall("anew", first, falls)
 
 
-def _fits(step: np.ndarray, period: float, usual: float) -> np.ndarray:
+def _fits(step: np.ndarray | float, period: float, usual: float) -> np.ndarray | np.bool_ | bool:
     """True where the steps left, once a period is added, are those of a run that goes on."""
     return (step > 0.0) & (step <= max(LONGEST_STEP * usual, GAP_AT_WRAP * period))
 

@@ -193,7 +193,9 @@ def _as_rounded(parts: list[np.ndarray], spacing: float, policy: RoundingPolicy)
     steps = np.concatenate([np.diff(part) for part in parts])
     odd = int(np.sum(steps != np.rint(spacing)))
     expected = abs(spacing - np.rint(spacing)) * steps.size
-    return odd >= policy.odd and policy.expected * expected <= odd <= expected / policy.expected
+    return bool(
+        odd >= policy.odd and policy.expected * expected <= odd <= expected / policy.expected
+    )
 
 
 def _where_rows_miss(

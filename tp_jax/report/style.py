@@ -9,7 +9,7 @@ import html
 import io
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -158,7 +158,7 @@ def markup(figure: "Figure") -> str:
     return stream.getvalue().decode()
 
 
-def _write(figure: "Figure", stream: BinaryIO, kind: str) -> None:
+def _write(figure: "Figure", stream: io.BufferedIOBase, kind: str) -> None:
     """Draws it, once, where `savefig` draws twice.
 
     A figure keeps the layout of the first time, which takes as long as drawing.

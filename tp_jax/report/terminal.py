@@ -1,6 +1,7 @@
 """The verdict on a terminal: the lines of `text.summary`, in colour where the terminal has any."""
 
 import re
+from io import StringIO
 from typing import IO, TYPE_CHECKING
 
 from tp_jax.report.text import summary
@@ -14,7 +15,7 @@ _TABLE_HEADS = ("held-out error (rms)", "cause ", "candidate ")
 _STRONG = re.compile(r"[\d.,]+ % of the removable gap is gone")
 
 
-def show(found: Found, file: IO[str] | None = None) -> None:
+def show(found: Found, file: IO[str] | StringIO | None = None) -> None:
     """Prints the verdict.
 
     Colours appear on a terminal only, and not where NO_COLOR is set; elsewhere the text is that

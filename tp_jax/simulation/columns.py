@@ -14,6 +14,8 @@ import numpy as np
 from jax.extend.core import Literal
 from jaxtyping import Array, Bool, Int
 
+from tp_jax.model.arrays import AnyArray
+
 _ADDS = {"add_any", "add", "sub"}
 
 
@@ -30,8 +32,8 @@ class _Program(NamedTuple):
 
 
 def columns(
-    f: Callable[..., tuple], arguments: Sequence[Array], which: Sequence[int]
-) -> list[list[Array | None]]:
+    f: Callable[..., tuple], arguments: Sequence[AnyArray], which: Sequence[int]
+) -> list[list[AnyArray | None]]:
     """Derivatives of all results of `f(*arguments)` by some of the arguments.
 
     Args:
@@ -47,7 +49,7 @@ def columns(
     program, constants, one = _linearised(f, arguments, which)
     found = []
     for j in range(len(which)):
-        tangents: list[Array | None] = [None] * len(which)
+        tangents: list[AnyArray | None] = [None] * len(which)
         tangents[j] = one
         found.append(_along(program, constants, tangents))
     return found
@@ -55,11 +57,11 @@ def columns(
 
 def some_columns(
     f: Callable[..., tuple],
-    arguments: Sequence[Array],
+    arguments: Sequence[AnyArray],
     which: Sequence[int],
     chosen: Int[Array, " d"],
     wanted: Bool[np.ndarray, "k w"],
-) -> list[Array | None]:
+) -> list[AnyArray | None]:
     """Derivatives of all results of `f(*arguments)` by those arguments that are chosen.
 
     Of fifty effects' numbers sixteen are asked for, and which is data: were all columns evaluated
@@ -76,7 +78,7 @@ def some_columns(
         For each result (d, ...), None where nothing of it is wanted.
     """
     results = np.flatnonzero(wanted.any(axis=1)).tolist()
-    out: list[Array | None] = [None] * len(wanted)
+    out: list[AnyArray | None] = [None] * len(wanted)
     if not results:
         return out
     program, constants, one = _linearised(f, arguments, which)
@@ -84,7 +86,7 @@ def some_columns(
 
     def branch(j: int) -> Callable[[list], tuple]:
         def column(constants: list) -> tuple:
-            tangents: list[Array | None] = [None] * len(which)
+            tangents: list[AnyArray | None] = [None] * len(which)
             tangents[j] = jnp.ones_like(one)
             found = _along(program, constants, tangents)
             return tuple(
@@ -107,7 +109,7 @@ def some_columns(
     return out
 
 
-def _linearised(f, arguments: Sequence[Array], which: Sequence[int]):
+def _linearised(f, arguments: Sequence[AnyArray], which: Sequence[int]):
     """A linear program from changes of some arguments to those of the results, its constants, 1."""
 
     def of(*some):
@@ -122,7 +124,7 @@ def _linearised(f, arguments: Sequence[Array], which: Sequence[int]):
     return program.jaxpr, program.consts, jnp.ones_like(at[0])
 
 
-def _along(program, constants, tangents: Sequence[Array | None]) -> list[Array | None]:
+def _along(program, constants, tangents: Sequence[AnyArray | None]) -> list[AnyArray | None]:
     """Results of a linear program; None stands for a zero."""
     values = dict(zip(program.constvars, constants, strict=True))
     # None for a tangent that is zero; what is not a tangent is never None
@@ -157,7 +159,7 @@ def _along(program, constants, tangents: Sequence[Array | None]) -> list[Array |
     return [of(v) for v in program.outvars]
 
 
-def _called(inner, read, along) -> list[Array | None]:
+def _called(inner, read, along) -> list[AnyArray | None]:
     """A call within a linear program: its constant arguments become constants."""
     program = inner.jaxpr
     fixed = {v: x for v, x, t in zip(program.invars, read, along, strict=True) if not t}

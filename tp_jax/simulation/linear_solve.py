@@ -12,13 +12,13 @@ quotient. With products instead of quotients, a step costs five times as much.
 
 from collections.abc import Callable, Sequence
 
-from jaxtyping import Array
+from tp_jax.model.arrays import AnyArray
 
 #: Entry (i, j) of a Jacobian over lanes; None where zero by structure.
-Jacobian = Sequence[Sequence[Array | None]]
+Jacobian = Sequence[Sequence[AnyArray | None]]
 
 
-def eliminate(jacobian: Jacobian, g: Array) -> Callable[[list], list]:
+def eliminate(jacobian: Jacobian, g: AnyArray | float) -> Callable[[list], list]:
     """Prepares `(g - J) k = r` for several right-hand sides.
 
     Args:
@@ -32,7 +32,7 @@ def eliminate(jacobian: Jacobian, g: Array) -> Callable[[list], list]:
     n = len(jacobian)
     rates = (jacobian[0][2], jacobian[1][3])
     # (g - J) with the positions gone: k_q = (r_q + rate k_v)/g.
-    reduced: dict[tuple[int, int], Array] = {}
+    reduced: dict[tuple[int, int], AnyArray | float] = {}
     for i in range(2, n):
         for j in range(2, n):
             entry = jacobian[i][j]

@@ -29,6 +29,7 @@ from jax.extend.core import ClosedJaxpr, Literal, jaxpr_as_fun
 from jaxtyping import Array, Bool, Float, Int
 
 from tp_jax._compiler import loops_left_alone
+from tp_jax.model.arrays import AnyArray
 
 MARK = {"xla_cpu_small_call": "true", "inlineable": "false"}
 
@@ -94,7 +95,9 @@ def loops_in_one_piece(function: Callable, *args: Any) -> Any:
     return jax.tree.unflatten(jax.tree.structure(result), out)
 
 
-def _with_loops_marked(program, consts: Sequence[Array], args: Sequence[Array]) -> list[Array]:
+def _with_loops_marked(
+    program, consts: Sequence[AnyArray | float], args: Sequence[AnyArray | float]
+) -> list[AnyArray | float]:
     values = dict(zip(program.constvars, consts, strict=True))
     values.update(zip(program.invars, args, strict=True))
     of = lambda v: v.val if isinstance(v, Literal) else values[v]  # noqa: E731

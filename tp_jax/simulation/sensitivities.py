@@ -72,7 +72,7 @@ class Sensitivities(NamedTuple):
 
 def sensitivities(
     model: AbstractTorsionPendulum,
-    ts: Float[AnyArray, " n"],
+    ts: Float[AnyArray, " n"] | Sequence[float],
     y0: Float[AnyArray, "..."] | None = None,
     *,
     by: Sequence[str] | None = None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import equinox as eqx
@@ -46,8 +46,8 @@ class Trajectory(NamedTuple):
 
 def simulate(
     model: AbstractTorsionPendulum,
-    ts: Float[AnyArray, " n"],
-    y0: Float[AnyArray, " m"] | None = None,
+    ts: Float[AnyArray, " n"] | Sequence[float],
+    y0: Float[AnyArray, " m"] | Sequence[float] | None = None,
     *,
     tolerance: float = 1e-8,
     solver: diffrax.AbstractSolver | None = None,
@@ -141,7 +141,9 @@ def _run(template, inputs, ts, tolerance, solver, max_steps) -> Array:
 
 
 def checked(
-    model: AbstractTorsionPendulum, ts: AnyArray, y0: AnyArray | None
+    model: AbstractTorsionPendulum,
+    ts: AnyArray | Sequence[float],
+    y0: AnyArray | Sequence[float] | None,
 ) -> tuple[Float[AnyArray, " n"], Float[AnyArray, " m"]]:
     """Times and initial state as arrays, rest if None; ValueError where their shapes are wrong."""
     # What is not traced stays on the host: a small operation on a device costs many steps.

@@ -68,7 +68,7 @@ def structure(field: Field, n_states: int, n_parameters: int) -> Structure:
 def jacobian(field: Field, s: Structure, t: AnyArray | float, y: tuple, p: tuple) -> Jacobian:
     """Derivatives by the states, column by column; None where zero by structure."""
     n = len(y)
-    rows: list[list[Array | None]] = [[None] * n for _ in range(n)]
+    rows: list[list[AnyArray | None]] = [[None] * n for _ in range(n)]
     which = [j for j in range(n) if s.by_state[:, j].any()]
     found = columns(lambda *y: tuple(field(t, y, p)), y, which)
     for j, column in zip(which, found, strict=True):
@@ -82,8 +82,8 @@ def advance(
     field: Field,
     s: Structure,
     method: StageForm,
-    t: Float[AnyArray, " L"] | float,
-    h: Float[Array, " L"],
+    t: Float[AnyArray, "..."] | float,
+    h: Float[Array, "..."],
     y: list[Array],
     f: list[Array],
     p: tuple,

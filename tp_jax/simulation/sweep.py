@@ -1,6 +1,7 @@
 """Many pendulums at once."""
 
 import functools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -36,7 +37,7 @@ class Sweep(NamedTuple):
 
 def sweep(
     models: AbstractTorsionPendulum,
-    ts: Float[AnyArray, " n"],
+    ts: Float[AnyArray, " n"] | Sequence[float],
     y0: Float[AnyArray, "..."] | None = None,
     *,
     tolerance: float = 1e-6,

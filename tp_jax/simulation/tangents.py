@@ -11,7 +11,7 @@ the numbers that the step computes, its size held fixed.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
@@ -67,15 +67,17 @@ class Linear(NamedTuple):
     outputs of (nd, L), None where zero.
     """
 
-    by_state: list[list[Array | None]]
-    by_direction: list[Array | None]
+    by_state: list[list[AnyArray | None]]
+    by_direction: list[AnyArray | None]
 
     def along(self, s: list[Array], n: int) -> list[Array | None]:
         """Change of every output along S (n components, each (n + nd, L))."""
         found: list[Array | None] = []
         for k, mine in enumerate(self.by_direction):
             terms = [
-                d * x for row, x in zip(self.by_state, s, strict=True) if (d := row[k]) is not None
+                cast(Array, d * x)  # of one of NumPy's too, since it is multiplied by JAX's
+                for row, x in zip(self.by_state, s, strict=True)
+                if (d := row[k]) is not None
             ]
             total = sum(terms[1:], terms[0]) if terms else None
             if mine is not None:
@@ -94,7 +96,7 @@ def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> L
     every = [*y, *p]
     together = lambda *both: f(both[:n], both[n:])  # noqa: E731
     slopes = columns(together, every, states)
-    rows: list[list[Array | None]] = [[None] * n_out for _ in range(n)]
+    rows: list[list[AnyArray | None]] = [[None] * n_out for _ in range(n)]
     for k, d in zip(states, slopes, strict=True):
         rows[k] = [x if depends else None for x, depends in zip(d, by_state[:, k], strict=True)]
     if not numbers:
@@ -106,7 +108,7 @@ def linear(f, y: list[Array], p: tuple, by_state, by_parameter, directions) -> L
         chosen = jnp.asarray(turn)[directions]
         return Linear(rows, some_columns(together, every, where, chosen, wanted))
     slopes = columns(together, every, where)
-    found: list[Array | None] = []
+    found: list[AnyArray | None] = []
     for i, mine in enumerate(wanted):
         values = [d[i] for d, depends in zip(slopes, mine, strict=True) if depends]
         # row of each parameter among those that matter to this output; the last row is zero
@@ -226,7 +228,7 @@ def differentiate(
     return s_end, [zero if x is None else x / unit for x in f_end], error
 
 
-def _known(x: Array | None, like: Array) -> Array:
+def _known(x: AnyArray | None, like: Array) -> AnyArray:
     """An entry of the Jacobian as an array, also where its structure promised more than it has."""
     return jnp.zeros_like(like) if x is None else x
 
