@@ -53,7 +53,9 @@ COMPILERS = threading.BoundedSemaphore(2)
 class Stored:
     """A compiled function of some static arguments, which come first, and of arrays.
 
-    Compiled once where several threads ask at the same time.
+    Compiled once where several threads ask at the same time, and once for all static arguments that
+    are described alike: every campaign has a layout of its own, and a process that diagnoses one
+    after the other would load the same programs for each and keep them all, a gigabyte a campaign.
     """
 
     def __init__(
@@ -72,6 +74,7 @@ class Stored:
         self.function, self.static, self.describe = function, static, describe
         self.jitted = jax.jit(function, static_argnums=tuple(range(static)))
         self._ready: dict[Hashable, Callable[..., Any]] = {}
+        self._described: dict[tuple, str | None] = {}
         self._locks: dict[Hashable, threading.Lock] = {}
         self._guard = threading.Lock()
 
@@ -82,7 +85,8 @@ class Stored:
         if any(isinstance(x, Tracer) for x in leaves):
             return self.jitted(*args)
         shapes = tuple((x.shape, x.dtype) for x in leaves)
-        key = (static, tree, shapes)
+        described = self._description(static)
+        key = (static if described is None else described, tree, shapes)
         ready = self._ready.get(key)
         if ready is not None:
             return ready(*arrays)
@@ -92,7 +96,7 @@ class Stored:
             ready = self._ready.get(key)
             if ready is None:
                 named = tuple((shape, str(kind)) for shape, kind in shapes)
-                file = self._file(static, f"{tree} {named}")
+                file = self._file(described, f"{tree} {named}")
                 with COMPILERS, _alone(file), _compiling.noted():
                     begun = time.monotonic()
                     program = self._program(static, arrays, file)
@@ -106,9 +110,15 @@ class Stored:
                 self._ready[key] = ready
         return ready(*arrays)
 
-    def _file(self, static: tuple, shapes: str) -> Path | None:
+    def _description(self, static: tuple) -> str | None:
+        """All that a program takes from its static arguments; see `describe` of the constructor."""
+        if static not in self._described:
+            self._described[static] = self.describe(*static)
+        return self._described[static]
+
+    def _file(self, described: str | None, shapes: str) -> Path | None:
         """Returns the file in which the trace is kept; None if it is not."""
-        folder, described = programs_folder(), self.describe(*static)
+        folder = programs_folder()
         if folder is None or described is None:
             return None
         about = (
