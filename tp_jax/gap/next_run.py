@@ -206,7 +206,7 @@ def next_run(
         id, p = sure[0]
         more = "; something beside it is left" if finding.verdict == "unknown" else ""
         return Stop(CAUSE, f"The cause is {id}, with probability {_shown(p)}{more}.")
-    if finding.verdict == "no_gap" and len(made) >= policy.survey:
+    if finding.verdict == "no_gap" and len(made) >= min(policy.nothing, most):
         return Stop(NONE_LEFT, "The recordings show nothing that the model does not explain.")
     if len(made) >= most:
         runs = f"{most} run{'s' if most != 1 else ''}"

@@ -218,8 +218,11 @@ class ExplorePolicy:
             recording: it would turn even odds into nineteen to one, about `probability`.
         enough: difference [nat] beyond which more does not count: a rival with one chance in four
             hundred needs no further run.
-        survey: runs before "nothing is left" is believed, and before any run is refused: a decay,
-            and drives at two frequencies, since many effects show in one of them alone.
+        survey: runs before any run is refused: a decay, and drives at two frequencies, since many
+            effects show in one of them alone.
+        nothing: runs before "nothing is left" is believed: drives at four frequencies and a decay
+            reach the resonance from both sides. After three, effects that a sweep of six shows were
+            given up on two of eight virtual rigs.
         margin: part of the limit up to which predicted angles are allowed; the model that predicts
             them lacks something still.
         frequencies: of the drive that are compared, and
@@ -240,6 +243,7 @@ class ExplorePolicy:
     log_evidence: float = 3.0
     enough: float = 6.0
     survey: int = 3
+    nothing: int = 5
     margin: float = 0.9
     frequencies: int = 8
     releases: int = 5
