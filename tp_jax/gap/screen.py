@@ -144,23 +144,27 @@ def screen(
         else:
             every += variants(effect, setting)
     base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
-    parts, order, at = [], [], 0
+    lin = fit.linearisation
+    base_jac = spread(lin, base)
+    shapes = calibration.columns(setting, fit)
+    nb = len(base) + shapes.shape[2]
+    # one array from the beginning: of many recordings it is the largest that there is
+    count = sum(len(v.unknowns) for v in every)
+    jac = np.empty((*lin.r.shape, nb + count))
+    jac[..., : len(base)], jac[..., len(base) : nb] = base_jac, shapes
+    del base_jac
+    order, at = [], 0
     for layer in layers(every):
         changes: dict[str, float] = {}
         for v in layer:
             changes |= v.settings
         unknowns = [u for v in layer for u in v.unknowns]
-        lin = fit.problem.linearise(fit.values.replace(changes), fit.states, columns(unknowns))
-        parts.append(spread(lin, unknowns))
+        seen = fit.problem.linearise(fit.values.replace(changes), fit.states, columns(unknowns))
+        jac[..., nb + at : nb + at + len(unknowns)] = spread(seen, unknowns)
         for v in layer:
             order.append((v, slice(at, at + len(v.unknowns))))
             at += len(v.unknowns)
-    lin = fit.linearisation
-    base_jac = spread(lin, base)
-    shapes = calibration.columns(setting, fit)
-    jac = np.concatenate([base_jac, shapes, *parts], axis=2)
     elim = eliminate(lin.r, lin.states_jac, jac)
-    nb = len(base) + shapes.shape[2]
     H, g = elim.H.sum(axis=0), elim.g.sum(axis=0)
     known = dict(zip(fit.unknowns, fit.normal().prior, strict=True))
     prior = np.array([known[u] for u in base] + [1.0] * (nb - len(base)))
