@@ -69,6 +69,15 @@ def test_another_for_other_static_arguments_shapes_and_trees(folder):
     assert len(f.traces) == len(list(folder.iterdir())) == len(calls)
 
 
+def test_static_arguments_that_are_described_alike_share_a_program(folder):
+    """A second one of them loads nothing: what a process holds does not grow with their number."""
+    f = Traced(describe=lambda factor: str(factor % 10.0))
+    process, pair = f.process(), Pair(jnp.ones(3), None)
+    assert all((process(factor, pair).a == 2.0).all() for factor in (2.0, 12.0, 22.0))
+    assert f.traces == [2.0]
+    assert len(process._ready) == 1
+
+
 def test_another_for_another_source(folder, monkeypatch):
     f, pair = Traced(), Pair(jnp.ones(3), None)
     f.process()(2.0, pair)

@@ -133,6 +133,11 @@ def test_a_dictionary_is_read_and_not_taken_for_a_field():
         DiagnosisRecord({"schema": VERSION})
 
 
+def test_a_fraction_is_no_count():
+    assert DiagnosisRecord.read({"provenance": {"seed": 3}}).provenance.seed == 3
+    assert DiagnosisRecord.read({"provenance": {"seed": 3.5}}).provenance.seed is None
+
+
 @pytest.mark.unchecked
 def test_a_path_is_not_read():
     with pytest.raises(TypeError, match="read from a dictionary, not from str"):

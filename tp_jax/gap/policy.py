@@ -222,7 +222,7 @@ class ExplorePolicy:
             effects show in one of them alone.
         nothing: runs before "nothing is left" is believed: drives at four frequencies and a decay
             reach the resonance from both sides. After three, effects that a sweep of six shows were
-            given up on two of eight virtual rigs.
+            given up on three of eight virtual rigs.
         margin: part of the limit up to which predicted angles are allowed; the model that predicts
             them lacks something still.
         frequencies: of the drive that are compared, and

@@ -360,7 +360,7 @@ class Provenance(Record):
     """Origin of the numbers: version, seed, SHA-256 of each file, computing time [s]."""
 
     version: str = ""
-    seed: Annotated[int | float | None, Schema(parts.NUMBER_OR_NULL)] = None
+    seed: Annotated[int | None, Schema(parts.NUMBER_OR_NULL)] = None
     data_sha256: dict[str, str] = field(default_factory=dict)
     wall_s: float | None = None
 

@@ -173,7 +173,10 @@ def _decoded(kind: Any, value: Any) -> Any:
     if kind in (float, int):
         if isinstance(value, numbers.Real) and not isinstance(value, bool | int | float):
             value = int(value) if isinstance(value, numbers.Integral) else float(value)  # NumPy's
-        return value if _is_number(value) else _UNFIT
+        if not _is_number(value):
+            return _UNFIT
+        # a whole number stays as the file has it, 2.0 too; a fraction is no count
+        return _UNFIT if kind is int and value != int(value) else value
     return value if kind in (str, bool) and isinstance(value, kind) else _UNFIT
 
 
