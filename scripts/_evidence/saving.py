@@ -186,7 +186,7 @@ def look(campaign: Path) -> Saved:
         "samples": int(fit.problem.windows.count.sum()),
     }
     specs = [parameter(fit.problem, u) for s in seen.scored for u in s.variant.unknowns]
-    blocks = np.zeros((len(seen.information_by_block), len(seen.total)))
+    blocks = np.zeros((len(seen.by_block.H), len(seen.total)))
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
     noise = [drawn.sum(axis=0) for drawn in scores_of_noise(seen, SEED_OF_DRAWS)]
@@ -212,7 +212,7 @@ def look(campaign: Path) -> Saved:
         typical=np.array([spec.typical for spec in specs]),
         limits=np.array([(spec.lower, spec.upper) for spec in specs]).reshape(-1, 2),
         blocks=blocks,
-        by_block=seen.information_by_block,
+        by_block=seen.by_block.dense(),
         noise=np.concatenate(noise, axis=1),
         sources=tuple(names),
         ends=np.cumsum([value.size for value, _ in parts]),

@@ -5,6 +5,7 @@ import types
 import numpy as np
 import pytest
 
+from tests.blocks import whole
 from tp_jax.gap.screen import Scored, Screen, predicted_drop
 
 
@@ -29,7 +30,7 @@ def screen_of(V: np.ndarray, score: np.ndarray, *limits: tuple[float, float]) ->
                 bounds,
             )
         )
-    return Screen(tuple(scored), V, V[None], {}, score, np.zeros((0, 0)))
+    return Screen(tuple(scored), V, whole(V[None]), {}, score, np.zeros((0, 0)))
 
 
 def confounded(n: int = 3, noise: int = 0) -> tuple[np.ndarray, np.ndarray, float]:

@@ -5,6 +5,7 @@ import types
 import numpy as np
 import pytest
 
+from tests.blocks import whole
 from tp_jax.effects.base import Amplitude
 from tp_jax.estimation.layout import Unknown
 from tp_jax.gap.screen import Scored, Screen
@@ -42,7 +43,7 @@ def seen():
         scored("drag", 5, 1, shapes=(("n", 1.0),), drop=2.0, **more),
         scored("drag", 6, 1, shapes=(("n", 2.0),), drop=3.0, **more),
     )
-    return Screen(every, V, by_block, {}, blocks.sum(axis=0), np.zeros((0, 0)))
+    return Screen(every, V, whole(by_block), {}, blocks.sum(axis=0), np.zeros((0, 0)))
 
 
 def test_effects_of_the_whole_rig_are_kept(seen):
@@ -84,5 +85,7 @@ def test_dispersions_are_those_of_the_blocks(seen):
 
 
 def test_a_screen_without_effects_has_none():
-    empty = Screen((), np.zeros((0, 0)), np.zeros((3, 0, 0)), {}, np.zeros(0), np.zeros((0, 0)))
+    empty = Screen(
+        (), np.zeros((0, 0)), whole(np.zeros((3, 0, 0))), {}, np.zeros(0), np.zeros((0, 0))
+    )
     assert rig_scores("a", empty, (), 0).variants == ()

@@ -6,6 +6,7 @@ import types
 import numpy as np
 import pytest
 
+from tests.blocks import whole
 from tests.standing_in import standing_in
 from tp_jax.gap.screen import Screen
 from tp_jax.gap.structure import structure_test
@@ -20,10 +21,9 @@ def as_screen(blocks, V, sizes, **known):
     return standing_in(
         Screen,
         scored=scored,
-        information_by_block=V,
         information=V.sum(axis=0),
         rounding=None,
-        **{"by_block": V, "covariance": np.zeros((0, 0)), **known},
+        **{"by_block": whole(V), "covariance": np.zeros((0, 0)), **known},
     )
 
 
@@ -90,7 +90,7 @@ def test_an_effect_that_tells_little_hides_no_other():
     """A billionth of the others' information, and in few blocks: rounding is not its score."""
     rng = np.random.default_rng(3)
     seen = null(rng, heavy=False)
-    V, blocks = seen.information_by_block, np.concatenate([s.blocks for s in seen.scored], axis=1)
+    V, blocks = seen.by_block.dense(), np.concatenate([s.blocks for s in seen.scored], axis=1)
     sizes = [s.blocks.shape[1] for s in seen.scored]
     unit = np.ones((len(V), sum(sizes)))
     unit[:, seen.scored[1].rows] = 1e-9
@@ -128,7 +128,9 @@ def fitted_noise(rng, n_blocks, samples=12, unknowns=5, candidates=8):
     joint = follow.T @ H @ follow
     V = joint[:, :candidates, :candidates]
     blocks = g[:, unknowns:] - g[:, :unknowns] @ gain
-    return as_screen(blocks, V, [1] * candidates, by_block=joint, covariance=covariance)
+    return as_screen(
+        blocks, V, [1] * candidates, by_block=whole(joint, candidates), covariance=covariance
+    )
 
 
 @pytest.mark.parametrize("n_blocks", [4, 6, 12])

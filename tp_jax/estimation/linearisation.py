@@ -59,3 +59,39 @@ def spread(lin: Linearisation, unknowns: Sequence[Unknown]) -> np.ndarray:
         if u.recording is not None:
             out[lin.recording != u.recording, :, j] = 0.0
     return out
+
+
+def places(unknowns: Sequence[Unknown], slots: Sequence[str], recording: np.ndarray) -> np.ndarray:
+    """Positions (w, d) of each window's columns among the unknowns, -1 for a column of none.
+
+    A slot with a number for each recording is one column of a window but many unknowns. Windows
+    that are kept by slot need memory in proportion to the recordings; spread by unknown, to its
+    square.
+
+    Args:
+        unknowns: of the fit.
+        slots: (d,) of the columns.
+        recording: (w,) of each window.
+    """
+    most = max([int(recording.max(initial=-1)), *(u.recording or 0 for u in unknowns)])
+    table = np.full((most + 1, len(slots)), -1)
+    column = {s: j for j, s in enumerate(slots)}
+    for i, u in enumerate(unknowns):
+        table[slice(None) if u.recording is None else u.recording, column[u.name]] = i
+    return table[recording]
+
+
+def gathered(parts: np.ndarray, to: np.ndarray, size: int) -> np.ndarray:
+    """Sum over windows, by unknown: (size,) of vectors (w, d), (size, size) of matrices (w, d, d).
+
+    Args:
+        parts: of each window, by column. to: (w, d) as of `places`. size: number of unknowns.
+    """
+    out = np.zeros((size,) * (parts.ndim - 1))
+    rows, which = np.unique(to, axis=0, return_inverse=True)
+    for i, row in enumerate(rows):
+        there = np.flatnonzero(row >= 0)
+        total = parts[which.ravel() == i].sum(axis=0)
+        at = np.ix_(*(row[there],) * total.ndim)
+        out[at] += total[np.ix_(*(there,) * total.ndim)]
+    return out

@@ -26,12 +26,12 @@ import numpy as np
 from tp_jax import _tails as tails
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
-from tp_jax.estimation.linearisation import spread
+from tp_jax.estimation.linearisation import columns, gathered, places
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
-from tp_jax.gap.free_torques import FreeColumns, errors_of_readings
+from tp_jax.gap.free_torques import FreeColumns, errors_of_readings, sources_of_errors
 from tp_jax.gap.policy import POLICY, StructurePolicy
 from tp_jax.results.diagnosis import LackOfFit
 
@@ -49,22 +49,17 @@ def free_structure(
         fit: at its optimum.
         policy: how well coloured noise is known.
     """
-    lin = fit.linearisation
-    readings = errors_of_readings(setting, fit)
     coarse = _coarse(setting)
-    asked = np.array([not (_channels(n) & coarse) for n in readings.source], dtype=bool)
-    if not asked.any():
-        return LackOfFit(1.0, "", 1.0)
-    free = FreeColumns(readings.jac[:, :, asked], readings.source[asked], readings.weight[asked])
-    source = free.source
-    scores = free_scores(setting, fit, free)
-    noise = _mean_squares(fit, lin.r + np.einsum("wmx,wx->wm", lin.states_jac, scores.state_step))
+    noise = _mean_squares(fit)
     best = LackOfFit(1.0, "", 1.0)
     tests = 0
     known = 1.0 + (policy.colour if fit.problem.coloured else 0.0)
-    for name in dict.fromkeys(source.tolist()):
-        mine = np.flatnonzero(source == name)
-        value, z = scores.of(mine)
+    for name in sources_of_errors(setting, fit):
+        if _channels(name) & coarse:
+            continue
+        # one source at a time: the columns of all would be the largest array of a diagnosis
+        scores = free_scores(setting, fit, errors_of_readings(setting, fit, name))
+        value, z = scores.of(np.arange(scores.unit.size))
         phi = noise[sorted(_channels(name))].mean()
         for tau in SIZES:
             weights = value / (1.0 + tau * value)
@@ -76,7 +71,7 @@ def free_structure(
             p = float(tails.fisher(ratio / known, mean**2 / square, max(fit.dof, 1)))
             if p < best.p or not best.source:
                 best = LackOfFit(p, name, ratio)
-    return dataclasses.replace(best, p=float(np.clip(best.p * tests, LEAST, 1.0)))
+    return dataclasses.replace(best, p=float(np.clip(best.p * max(tests, 1), LEAST, 1.0)))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,14 +80,12 @@ class FreeScores:
 
     g: (w, q) gradients by the coefficients, what windows and parameters absorb projected out;
     covariance: (w, q, q) theirs; unit: (q,) of each coefficient, in which what the mean window
-    tells of it has variance one, times its weight among those of its source; state_step: (w, 4)
-    of the windows' states.
+    tells of it has variance one, times its weight among those of its source.
     """
 
     g: np.ndarray
     covariance: np.ndarray
     unit: np.ndarray
-    state_step: np.ndarray
 
     def of(self, mine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Some coefficients (k,) in axes of their own: variances (w, k) and scores (w, k) there."""
@@ -112,24 +105,28 @@ def free_scores(setting: PreparedCampaign, fit: Fit, free: FreeColumns) -> FreeS
     lin = fit.linearisation
     moved = np.flatnonzero(~np.asarray(fit.at_bound, dtype=bool))
     base = [fit.unknowns[i] for i in moved]
-    base_jac = spread(lin, base)
     shapes = calibration.columns(setting, fit)
-    left = eliminate(lin.r, lin.states_jac, np.concatenate([free.jac, base_jac, shapes], axis=2))
-    q = free.source.size
+    slots = columns(base)
+    of_slot = {s: i for i, s in enumerate(lin.slots)}
+    own = lin.slots_jac[:, :, [of_slot[s] for s in slots]]
+    left = eliminate(lin.r, lin.states_jac, np.concatenate([free.jac, own, shapes], axis=2))
+    q, u = free.source.size, len(base) + shapes.shape[2]
+    of_shapes = np.broadcast_to(np.arange(len(base), u), (len(lin.r), u - len(base)))
+    to = np.concatenate([places(base, slots, lin.recording), of_shapes], axis=1)
     H, g = left.H[:, :q, :q], left.g[:, :q]
-    shared = left.H[:, q:, q:].sum(axis=0)
-    prior = np.concatenate([fit.normal().prior[moved], np.ones(len(shared) - len(base))])
-    shared[np.arange(len(shared)), np.arange(len(shared))] += prior
+    shared = gathered(left.H[:, q:, q:], to, u)
+    shared[np.arange(u), np.arange(u)] += np.r_[fit.normal().prior[moved], np.ones(u - len(base))]
     inverse = scaled_inverse(shared)
-    across = left.H[:, :q, q:]
-    covariance = H - across @ inverse @ across.transpose(0, 2, 1)
+    # a column that is no unknown's, as of a recording whose own number is at a bound, takes nothing
+    across = np.where(to[:, None, :] >= 0, left.H[:, :q, q:], 0.0)
+    covariance = H - across @ inverse[to[:, :, None], to[:, None, :]] @ across.transpose(0, 2, 1)
     # the fit knows nothing of the calibration's error: what that explains is taken off here
-    pull = left.g[:, q:].sum(axis=0)
+    pull = gathered(left.g[:, q:], to, u)
     pull[: len(base)] = 0.0
-    g = g - across @ (inverse @ pull)
+    g = g - (across @ (inverse @ pull)[to][:, :, None])[:, :, 0]
     mean = np.einsum("wii->i", H) / fit.problem.windows.n
     unit = free.weight / np.sqrt(np.maximum(mean, 1e-300))
-    return FreeScores(g, covariance, unit, left.state_step)
+    return FreeScores(g, covariance, unit)
 
 
 def _channels(source: str) -> set[int]:
@@ -147,8 +144,15 @@ def _coarse(setting: PreparedCampaign) -> set[int]:
     }
 
 
-def _mean_squares(fit: Fit, r: np.ndarray) -> np.ndarray:
-    """(2,) of the residuals (w, m) of each channel per degree of freedom, 0 for one not there."""
+def _mean_squares(fit: Fit) -> np.ndarray:
+    """(2,) of the residuals of each channel per degree of freedom, 0 for one not there.
+
+    Where each window's state fits best.
+    """
+    lin = fit.linearisation
+    none = np.zeros((*lin.r.shape, 0))
+    step = eliminate(lin.r, lin.states_jac, none).state_step
+    r = lin.r + np.einsum("wmx,wx->wm", lin.states_jac, step)
     valid = fit.linearisation.valid[:, :-4].reshape(len(r), -1, 2)
     squares = ((r[:, :-4].reshape(valid.shape) ** 2) * valid).sum(axis=(0, 1))
     samples = valid.sum(axis=(0, 1))

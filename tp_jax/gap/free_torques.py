@@ -114,8 +114,27 @@ def _where_read(fit: Fit, jac: np.ndarray) -> np.ndarray:
     return jac
 
 
-def errors_of_readings(setting: PreparedCampaign, fit: Fit) -> FreeColumns:
-    """The same of sensors, and of times: a delay between the two (constant and growing), jitter."""
+def sources_of_errors(setting: PreparedCampaign, fit: Fit) -> list[str]:
+    """The sources that `errors_of_readings` knows, for a fit's windows."""
+    sensors = ["sensor1", "sensor2"] if setting.rider else ["sensor1"]
+    names = [s + kind for s in sensors for kind in (" wandering", "")]
+    if _harmonics(fit) > HARMONICS:
+        names += [s + kind for s in sensors for kind in (" jumping", " stuttering")]
+        names += ["clock jumping"] if setting.rider else []
+    return [*names, "clock"] if setting.rider else names
+
+
+def _harmonics(fit: Fit) -> int:
+    """Highest harmonic of a window's length that an error of its readings may have."""
+    return min(SHARP, fit.linearisation.n_samples // 4)
+
+
+def errors_of_readings(setting: PreparedCampaign, fit: Fit, only: str | None = None) -> FreeColumns:
+    """The same of sensors, and of times: a delay between the two (constant and growing), jitter.
+
+    Args:
+        setting: the campaign. fit: to it. only: the source that is wanted, all if None.
+    """
     problem, lin = fit.problem, fit.linearisation
     w, n = problem.windows, lin.n_samples
     used = [c for c in range(2) if c == 0 or setting.rider]
@@ -126,13 +145,15 @@ def errors_of_readings(setting: PreparedCampaign, fit: Fit) -> FreeColumns:
     for i in range(w.n):
         t = setting.prepared[w.recording[i]].t[w.first[i] : w.first[i] + w.count[i]]
         since[i, : w.count[i]] = t - t[0]
-    angle = 2.0 * np.pi * since / w.horizon
+    turn = np.exp(2j * np.pi * since / w.horizon)
     start_sd = np.array(
         [setting.prepared[r].smooth_sd[f] for r, f in zip(w.recording, w.first, strict=True)]
     )
     velocity, sigma = lin.states[:, :, 2:4], problem.sigma
 
     def add(name: str, errors: dict, prior: dict | None = None, weight: float = 1.0) -> None:
+        if only not in (None, name):
+            return
         column = np.zeros((w.n, lin.r.shape[1]))
         for c, error in errors.items():
             column[:, c : 2 * n : 2] = error / sigma[:, [c]]
@@ -145,9 +166,11 @@ def errors_of_readings(setting: PreparedCampaign, fit: Fit) -> FreeColumns:
 
     ramp = since / w.horizon
     slow = np.full(w.n, 1.0 / w.horizon)
-    for j in range(min(SHARP, n // 4) + 1):
+    turned = np.ones_like(turn)
+    for j in range(_harmonics(fit) + 1):
         rate = 2.0 * np.pi * j * slow
-        waves = [(np.cos(j * angle), 0.0 * rate)] + [(np.sin(j * angle), rate)] * (j > 0)
+        waves = [(np.real(turned), 0.0 * rate)] + [(np.imag(turned), rate)] * (j > 0)
+        turned = turned * turn
         for wave, slope in waves:
             for c in used:
                 name = f"sensor{c + 1}"

@@ -83,15 +83,15 @@ def rounding(
     setting: PreparedCampaign,
     jac: np.ndarray,
     gain: np.ndarray,
-    follow: np.ndarray,
     block: np.ndarray,
 ) -> Rounding | None:
     """Makes what draws the scores of a fit's readings; None where noise hides all their steps.
 
     Args:
         fit: to the campaign. setting: the campaign.
-        jac: (w, m, u) derivatives. gain: (w, 4, u) how the window states follow.
-        follow: (u, k) the columns of which scores are wanted. block: (w,) of each window.
+        jac: (w, m, k) derivatives of which scores are wanted.
+        gain: (w, 4, k) how the window states follow.
+        block: (w,) of each window.
     """
     w, lin = fit.problem.windows, fit.linearisation
     steps = np.zeros((len(setting.recordings), 2))
@@ -105,5 +105,5 @@ def rounding(
     residual = lin.samples.reshape(w.n, -1, 2) * fit.problem.sigma[:, None]
     at = w.first[:, None] + np.minimum(np.arange(residual.shape[1]), w.count[:, None] - 1)
     data = np.stack([setting.prepared[r].y[rows] for r, rows in zip(w.recording, at, strict=True)])
-    columns = ((jac + lin.states_jac @ gain) @ follow).astype(np.float32)
+    columns = (jac + lin.states_jac @ gain).astype(np.float32)
     return Rounding(fit.problem, data + residual, steps[w.recording], columns, block)

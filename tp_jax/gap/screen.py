@@ -20,11 +20,12 @@ from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
-from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.linearisation import columns, gathered, places
 from tp_jax.estimation.normal_equations import efficient_inverse, scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
+from tp_jax.gap.block_information import BlockInformation
 from tp_jax.gap.directions import Variant, layers, variants
 from tp_jax.gap.rounding import Rounding, rounding
 
@@ -66,25 +67,18 @@ class Screen:
     """All effects and grid points.
 
     total: (E,) efficient scores, summed over windows; information: (E, E) over all their columns,
-    efficient; by_block: (B, E + u, E + u) covariances of the blocks' efficient scores and gradients
-    by the fit's unknowns where nothing but noise is in them, before those are fitted; one more if
-    there is a calibration's error, for what that may do to their sum; covariance: (u, u) of the
-    unknowns; rounding: what draws the scores instead, where readings are coarse.
+    efficient; by_block: covariances of the blocks' gradients, one more if there is a calibration's
+    error, for what that may do to their sum; covariance: (u, u) of the unknowns; rounding: what
+    draws the scores instead, where readings are coarse.
     """
 
     scored: tuple[Scored, ...]
     information: np.ndarray
-    by_block: np.ndarray
+    by_block: BlockInformation
     not_applicable: dict[str, str]
     total: np.ndarray
     covariance: np.ndarray
     rounding: Rounding | None = None
-
-    @property
-    def information_by_block(self) -> np.ndarray:
-        """(B, E, E) parts of the information."""
-        n = len(self.information)
-        return self.by_block[:, :n, :n]
 
     def pair(self, limit: int = 12) -> tuple[Scored, Scored, float] | None:
         """The two effects that would help most together, and their predicted drop.
@@ -145,48 +139,53 @@ def screen(
             every += variants(effect, setting)
     base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
     lin = fit.linearisation
-    base_jac = spread(lin, base)
     shapes = calibration.columns(setting, fit)
-    nb = len(base) + shapes.shape[2]
-    # one array from the beginning: of many recordings it is the largest that there is
-    count = sum(len(v.unknowns) for v in every)
-    jac = np.empty((*lin.r.shape, nb + count))
-    jac[..., : len(base)], jac[..., len(base) : nb] = base_jac, shapes
-    del base_jac
-    order, at = [], 0
+    count, nb = sum(len(v.unknowns) for v in every), len(base) + shapes.shape[2]
+    order, parts, to, at = [], [], [], 0
     for layer in layers(every):
         changes: dict[str, float] = {}
         for v in layer:
             changes |= v.settings
         unknowns = [u for v in layer for u in v.unknowns]
-        seen = fit.problem.linearise(fit.values.replace(changes), fit.states, columns(unknowns))
-        jac[..., nb + at : nb + at + len(unknowns)] = spread(seen, unknowns)
+        slots = columns(unknowns)
+        seen = fit.problem.linearise(fit.values.replace(changes), fit.states, slots)
+        parts.append(seen.slots_jac)
+        where = places(unknowns, seen.slots, lin.recording)
+        to.append(np.where(where < 0, -1, where + at))
         for v in layer:
             order.append((v, slice(at, at + len(v.unknowns))))
             at += len(v.unknowns)
+    where = places(base, columns(base), lin.recording)
+    to.append(np.where(where < 0, -1, where + count))
+    of_slot = {s: i for i, s in enumerate(lin.slots)}
+    parts.append(lin.slots_jac[:, :, [of_slot[s] for s in columns(base)]])
+    parts.append(shapes)
+    at_shapes = np.arange(count + len(base), count + nb)
+    to.append(np.broadcast_to(at_shapes, (len(lin.r), nb - len(base))))
+    # one array, in its turn: of many recordings it is the largest that there is
+    jac, to = _together(parts), np.concatenate(to, axis=1)
     elim = eliminate(lin.r, lin.states_jac, jac)
-    H, g = elim.H.sum(axis=0), elim.g.sum(axis=0)
+    H, g = gathered(elim.H, to, count + nb), gathered(elim.g, to, count + nb)
     known = dict(zip(fit.unknowns, fit.normal().prior, strict=True))
     prior = np.array([known[u] for u in base] + [1.0] * (nb - len(base)))
-    H[np.arange(nb), np.arange(nb)] += prior
+    H[np.arange(count, count + nb), np.arange(count, count + nb)] += prior
     # at the optimum the prior balances the data
-    g[np.flatnonzero(prior[: len(base)])] = 0.0
-    covariance = scaled_inverse(H[:nb, :nb])
-    gain = covariance @ H[:nb, nb:]
-    V = H[nb:, nb:] - H[nb:, :nb] @ gain
+    g[count + np.flatnonzero(prior[: len(base)])] = 0.0
+    covariance = scaled_inverse(H[count:, count:])
+    gain = covariance @ H[count:, :count]
+    V = H[:count, :count] - H[:count, count:] @ gain
     V = 0.5 * (V + V.T)
-    score = elim.g[:, nb:] - elim.g[:, :nb] @ gain  # (w, E)
+    total = g[:count] - g[count:] @ gain
     block = blocks_of(fit, setting)
-    by_block = np.zeros((block.max() + 1, score.shape[1]))
-    np.add.at(by_block, block, score)
-    follow = np.eye(nb + len(V))[:, np.r_[nb : nb + len(V), :nb]]
-    follow[:nb, : len(V)] = -gain
-    joint = np.zeros((block.max() + 1, *follow.shape))
-    np.add.at(joint, block, follow.T @ elim.H @ follow)
+    first = np.unique(block, return_index=True)[1]
+    information = np.zeros((len(first), *elim.H.shape[1:]))
+    np.add.at(information, block, elim.H)
+    gradients = np.zeros(information.shape[:2])
+    np.add.at(gradients, block, elim.g)
+    by_block = BlockInformation.of_gradients(information, to[first], gain)
+    scores = by_block.scores(by_block.own_scores(gradients[:, :, None]))[:, :, 0]
     if nb > len(base):
-        prior = follow[len(base) : nb]
-        joint = np.concatenate([joint, (prior.T @ prior)[None]])
-    total = g[nb:] - g[:nb] @ gain
+        by_block = _with_prior(by_block, nb - len(base))
     scored = []
     for variant, rows in order:
         Ve, s = V[rows, rows], total[rows]
@@ -200,14 +199,39 @@ def screen(
                 unbounded,
                 estimate,
                 Ve,
-                by_block[:, rows],
+                scores[:, rows],
                 -gain[: len(base), rows] @ estimate,
                 rows,
                 limits,
             )
         )
-    rounded = rounding(fit, setting, jac, elim.state_gain, follow, block)
-    return Screen(tuple(scored), V, joint, missing, total, covariance, rounded)
+    rounded = rounding(fit, setting, jac, elim.state_gain, block)
+    return Screen(tuple(scored), V, by_block, missing, total, covariance, rounded)
+
+
+def _together(parts: list[np.ndarray]) -> np.ndarray:
+    """Columns (w, m, d) side by side; each part is let go as soon as it is copied."""
+    at = sum(p.shape[2] for p in parts)
+    out = np.empty((*parts[0].shape[:2], at))
+    while parts:
+        part = parts.pop()
+        out[:, :, at - part.shape[2] : at] = part
+        at -= part.shape[2]
+    return out
+
+
+def _with_prior(by_block: BlockInformation, shapes: int) -> BlockInformation:
+    """The blocks, and one more: what the error of a calibration may do to their sum.
+
+    Args:
+        by_block: of the windows. shapes: the calibration's, the last columns of all.
+    """
+    d = by_block.H.shape[1]
+    prior = np.zeros((1, d, d))
+    last = np.arange(d - shapes, d)
+    prior[0, last, last] = 1.0
+    H = np.concatenate([by_block.H, prior])
+    return BlockInformation(H, np.concatenate([by_block.to, by_block.to[:1]]), by_block.gain)
 
 
 def _limits(fit: Fit, variant: Variant) -> np.ndarray:

@@ -29,7 +29,8 @@ from tp_jax.gap.screen import Screen
 
 DRAWS = 2000
 OF_ROUNDING = 250  # draws: each goes over all samples
-CHUNK = 250  # draws at a time
+CHUNK = 250  # draws at a time at most
+NUMBERS = 30_000_000  # of scores at a time: 240 MB
 LENT = 20  # what the other effects say of phi counts as much as so many blocks
 LEAST = 1e-300  # p: a logarithm of less there is none
 TELLING = 1e-3  # of the mean block's information: a block with less says nothing of an effect
@@ -63,28 +64,31 @@ def structure_test(seen: Screen, seed: int) -> Structure:
 
 
 def scores_of_noise(seen: Screen, seed: int) -> Iterator[np.ndarray]:
-    """Scores (B, E, CHUNK) by block that noise alone would give, after the fit: `DRAWS` in all.
+    """Scores (B, E, n) by block that noise alone would give, after the fit: `DRAWS` in all.
 
     Args:
         seen: what a screen found. With coarse readings there are `OF_ROUNDING` draws.
         seed: of the draws.
     """
-    root = roots(seen.by_block)
+    root = roots(seen.by_block.H)
     rng = np.random.default_rng(seed)
-    draws = DRAWS if seen.rounding is None else OF_ROUNDING
-    for _ in range(draws // CHUNK):
-        yield _drawn(root, seen, rng)
+    left = DRAWS if seen.rounding is None else OF_ROUNDING
+    many = max(len(root) * max(len(seen.information), 1), 1)
+    while left:
+        count = min(left, CHUNK, max(NUMBERS // many, 1))
+        left -= count
+        yield _drawn(root, seen, rng, count)
 
 
-def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator) -> np.ndarray:
-    """Scores (B, E, CHUNK) of noise alone, after the unknowns have been fitted to it."""
-    both = root @ rng.standard_normal((*root.shape[:2], CHUNK))
+def _drawn(root: np.ndarray, seen: Screen, rng: np.random.Generator, count: int) -> np.ndarray:
+    """Scores (B, E, count) of noise alone, after the unknowns have been fitted to it."""
+    known = seen.by_block
+    own = root @ rng.standard_normal((*root.shape[:2], count))
     if seen.rounding is not None:  # but for what a calibration's error does to them
-        scores = seen.rounding.scores(rng, CHUNK)
-        both[: len(scores)] = scores
-    n = len(seen.information)
-    step = seen.covariance @ both[:, n:].sum(axis=0)
-    return both[:, :n] - seen.by_block[:, :n, n:] @ step
+        drawn = seen.rounding.scores(rng, count)
+        rest = np.zeros((len(own) - len(drawn), *own.shape[1:]))
+        own[: len(drawn)] = known.own_scores(np.concatenate([drawn, rest]))[: len(drawn)]
+    return known.scores(known.after_the_fit(own, seen.covariance))
 
 
 def roots(V: np.ndarray) -> np.ndarray:
@@ -100,18 +104,38 @@ def roots(V: np.ndarray) -> np.ndarray:
 
 
 class _Form:
-    """Parts of an effect's information by block (B, q, q) that are needed."""
+    """Parts of an effect's information by block that are needed.
 
-    def __init__(self, V: np.ndarray):
-        self.inverse = efficient_inverse(V.sum(axis=0))
-        trace = np.einsum("ij,bji->b", self.inverse, V)
+    whiten: (B, k, q) rows whose squares sum to s_b' V_b^-1 s_b; of blocks that say nothing, zero.
+    """
+
+    def __init__(self, H: np.ndarray, follow: np.ndarray):
+        """Args:
+        H, follow: of the blocks, see `BlockInformation.of`.
+        """
+        _, k, q = follow.shape
+        # an effect with an amplitude for each of many recordings: a block knows few of them
+        root = roots(H).transpose(0, 2, 1) @ follow if k < q else None
+        by_block = np.zeros((0, q, q)) if k < q else follow.transpose(0, 2, 1) @ H @ follow
+        rows = None if root is None else root.reshape(-1, q)
+        self.inverse = efficient_inverse(by_block.sum(axis=0) if rows is None else rows.T @ rows)
+        if root is not None:
+            trace = ((root @ self.inverse) * root).sum(axis=(1, 2))
+        else:
+            trace = np.einsum("ij,bji->b", self.inverse, by_block)
         self.telling = np.flatnonzero(trace > TELLING * max(trace.mean(), 1e-300))
-        value, vector = np.linalg.eigh(V[self.telling])
-        live = value > 1e-6 * value[:, -1:]
-        # rows whose squares sum to s_b' V_b^-1 s_b; of blocks that say nothing, zero
+        if root is not None:
+            _, size, vector = np.linalg.svd(root[self.telling], full_matrices=False)
+            value = size**2
+            largest = value[:, :1]
+        else:
+            value, vector = np.linalg.eigh(by_block[self.telling])
+            vector = vector.transpose(0, 2, 1)
+            largest = value[:, -1:]
+        live = value > 1e-6 * largest
         inverse_root = np.where(live, 1.0 / np.sqrt(np.where(live, value, 1.0)), 0.0)
-        self.whiten = np.zeros_like(V)
-        self.whiten[self.telling] = inverse_root[:, :, None] * vector.transpose(0, 2, 1)
+        self.whiten = np.zeros((len(H), *vector.shape[1:]))
+        self.whiten[self.telling] = inverse_root[:, :, None] * vector
         self.rank = int(np.linalg.matrix_rank(self.inverse, hermitian=True))
         self.count = int(live.sum())
 
@@ -120,15 +144,15 @@ class _Forms:
     """Forms of all variants; those with as many amplitudes are taken together.
 
     alike: by number of amplitudes, which variants (v,), their columns (v, q) and inverses
-    (v, q, q), and what whitens their blocks (B, v, q, q); rank, count: (variants, 1).
+    (v, q, q), and what whitens their blocks (B, v, k, q); rank, count: (variants, 1).
     """
 
     def __init__(self, forms: Sequence[_Form], seen: Screen):
         columns = [np.arange(s.rows.start, s.rows.stop) for s in seen.scored]
-        sizes = np.array([len(c) for c in columns])
+        sizes = [f.whiten.shape[1:] for f in forms]
         self.alike = []
-        for q in np.unique(sizes):
-            which = np.flatnonzero(sizes == q)
+        for size in sorted(set(sizes)):
+            which = np.array([i for i, s in enumerate(sizes) if s == size])
             mine = which.tolist()
             inverse = np.stack([forms[i].inverse for i in mine])
             whiten = np.stack([forms[i].whiten for i in mine], axis=1)
@@ -150,9 +174,9 @@ def dispersions(seen: Screen) -> np.ndarray:
 
 def _observed(seen: Screen) -> tuple[np.ndarray, "_Forms"]:
     """Scores (B, E) by block, and what is needed of the information."""
-    V = seen.information_by_block
-    forms = _Forms([_Form(V[:, s.rows, s.rows]) for s in seen.scored], seen)
-    blocks = np.zeros(V.shape[:2])
+    known = seen.by_block
+    forms = _Forms([_Form(*known.of(s.rows)) for s in seen.scored], seen)
+    blocks = np.zeros((len(known.H), known.effects))
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
     return blocks, forms
