@@ -162,7 +162,6 @@ def look(campaign: Path) -> Saved:
     """The first screen of a campaign's diagnosis; `facts` are those that it tells itself."""
     from tp_jax.estimation.fitted import parameter
     from tp_jax.gap.free_structure import free_scores, free_structure
-    from tp_jax.gap.free_torques import free_columns
     from tp_jax.gap.held_out import floor_error
     from tp_jax.gap.structure import scores_of_noise
     from tp_jax.gap.verdict import combined
@@ -190,10 +189,9 @@ def look(campaign: Path) -> Saved:
     for s in seen.scored:
         blocks[: len(s.blocks), s.rows] = s.blocks
     noise = [drawn.sum(axis=0) for drawn in scores_of_noise(seen, SEED_OF_DRAWS)]
-    free = free_columns(setting, fit)
-    scores = free_scores(setting, fit, free)
-    names = list(dict.fromkeys(str(name) for name in free.source))
-    parts = [scores.of(np.flatnonzero(free.source == name)) for name in names]
+    scores = free_scores(setting, fit)
+    names = list(dict.fromkeys(str(name) for name in scores.source))
+    parts = [scores.of(name) for name in names]
     return Saved(
         facts=facts,
         variants=tuple(

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from tp_jax.estimation.elimination import eliminate
+from tests.standing_in import standing_in
+from tp_jax.estimation.elimination import eliminate, eliminated
+from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.linearisation import Linearisation, spread
 
 W, M, U = 5, 40, 7
 
@@ -87,3 +90,32 @@ def test_a_window_in_a_kink_follows_along_it_alone(system):
         there = X[w] @ along
         left = J[w] - there @ np.linalg.lstsq(there, J[w], rcond=None)[0]
         np.testing.assert_allclose(out.H[w], left.T @ left, rtol=1e-9, atol=1e-9)
+
+
+def test_by_slot_is_as_by_unknown():
+    """A number of each recording is one column of a window; one at its bound is of no unknown."""
+    rng = np.random.default_rng(5)
+    recording = np.array([0, 0, 1, 2, 2, 2])
+    slots, w, m = ("k", "zero2", "J"), len(recording), 11
+    unknowns = (Unknown("J"), Unknown("zero2", 0), Unknown("zero2", 2), Unknown("k"))
+    lin = standing_in(
+        Linearisation,
+        r=rng.normal(size=(w, m)),
+        states_jac=rng.normal(size=(w, m, 4)),
+        slots_jac=rng.normal(size=(w, m, len(slots))),
+        slots=slots,
+        recording=recording,
+    )
+    slope = rng.uniform(0.5, 2.0, size=4)
+    kinked = np.array([False, True, False, False, True, False])
+    dense = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
+    found = eliminated(lin, unknowns, slope, kinked=kinked)
+    for group in (np.zeros(w, int), np.array([0, 1, 1, 2, 0, 2])):
+        for mine, theirs in zip(found.sums(group), dense.sums(group), strict=True):
+            np.testing.assert_allclose(mine, theirs, atol=1e-12)
+    np.testing.assert_allclose(found.summed().H, dense.H.sum(axis=0), atol=1e-12)
+    step = rng.normal(size=4)
+    expected = dense.state_step + np.einsum("wxu,u->wx", dense.state_gain, step)
+    np.testing.assert_allclose(found.following(step), expected, atol=1e-12)
+    np.testing.assert_allclose(found.gain_by_unknown(), dense.state_gain, atol=1e-12)
+    np.testing.assert_allclose(found.cost, dense.cost)

@@ -18,6 +18,7 @@ def test_what_the_recordings_do_not_tell_is_not_identified():
     i = [u.name for u in found.unknowns].index("M1")
     told = found.eliminated
     g, H = told.g.copy(), told.H.copy()
+    assert (told.to[:, i] == i).all()  # of the whole campaign
     g[:, i], H[:, i], H[:, :, i] = 0.0, 0.0, 0.0
     blind = dataclasses.replace(found, eliminated=dataclasses.replace(told, g=g, H=H))
     before, after = intervals(found, setting), intervals(blind, setting)

@@ -61,6 +61,18 @@ def test_stuck_reading_has_the_noise_of_its_rounding():
     assert noise_level(T, y) == pytest.approx(0.01 / np.sqrt(12.0))
 
 
+def test_a_body_at_rest_that_is_read_coarsely_keeps_its_noise():
+    """Most second differences vanish, but for the last digits of a reading that is no round number.
+
+    A swing that dies out under noise of .33 steps: its level once came out as that of rounding.
+    """
+    t = np.arange(3000) / 314.0
+    step, sigma = 2.0 * np.pi / 8192, 0.33
+    motion = 0.3 * np.exp(-4.0 * t) * np.cos(33.0 * t) - 10.0 * step
+    y = step * np.round(motion / step + sigma * np.random.default_rng(2).normal(size=t.size))
+    assert noise_level(t, y) == pytest.approx(y[1500:].std(), rel=0.05)
+
+
 def test_single_jumps_do_not_matter():
     y = SINE + 1e-3 * np.random.default_rng(0).standard_normal(T.size)
     y[[100, 900, 2000]] += 0.3

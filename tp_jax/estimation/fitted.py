@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.coordinates import Coordinates
-from tp_jax.estimation.elimination import Eliminated, eliminate
+from tp_jax.estimation.elimination import Eliminated, eliminated
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.linearisation import Linearisation, spread
+from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.normal_equations import NormalEquations
 from tp_jax.estimation.priors import GaussianPrior, prior_terms
 from tp_jax.estimation.problem import Problem
@@ -64,7 +64,7 @@ class Fit:
             near: (u,) distance [SI units] from a limit that counts as none.
         """
         x = values.pick(at.unknowns)
-        elim = eliminate(lin.r, lin.states_jac, spread(lin, at.unknowns))
+        elim = eliminated(lin, at.unknowns)
         at_bound = (x <= at.limits[:, 0] + near) | (x >= at.limits[:, 1] - near)
         return cls(
             problem,

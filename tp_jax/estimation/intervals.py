@@ -23,13 +23,10 @@ def covariance(fit: Fit, setting: PreparedCampaign) -> tuple[np.ndarray, np.ndar
     inverse = fit.normal().part(free).covariance()
     block = blocks_of(fit, setting)
     n = int(block.max()) + 1
-    g = np.zeros((n, int(free.sum())))
-    np.add.at(g, block, fit.eliminated.g[:, free])
-    g = g - g.mean(axis=0)
+    g, H = fit.eliminated.sums(block)
+    g = g[:, free] - g[:, free].mean(axis=0)
     robust = np.diag(inverse @ (g.T @ g * n / max(n - 1, 1)) @ inverse)
-    by_block = np.zeros((n, len(inverse), len(inverse)))
-    np.add.at(by_block, block, fit.eliminated.H[:, free][:, :, free])
-    part = np.einsum("ui,bij,ju->bu", inverse, by_block, inverse)
+    part = np.einsum("ui,bij,ju->bu", inverse, H[:, free][:, :, free], inverse, optimize=True)
     telling = part.sum(axis=0) ** 2 / np.maximum((part**2).sum(axis=0), 1e-300)
     misfit = fit.chi2_dof if fit.chi2_dof > NOISE else 1.0
     excess = robust / np.maximum(misfit * np.diag(inverse), 1e-300)

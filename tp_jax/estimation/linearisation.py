@@ -41,6 +41,11 @@ class Linearisation:
         """Samples of the windows' rows (per channel)."""
         return (self.r.shape[1] - 4) // 2
 
+    def by_slot(self, slots: Sequence[str]) -> np.ndarray:
+        """Derivatives (w, m, d) by some of the slots; a copy."""
+        where = {s: i for i, s in enumerate(self.slots)}
+        return self.slots_jac[:, :, [where[s] for s in slots]]
+
     def cost(self) -> float:
         """Sum of squares; infinite where a window could not be integrated."""
         return float((self.r**2).sum()) if self.complete.all() else np.inf
@@ -53,8 +58,7 @@ def columns(unknowns: Sequence[Unknown]) -> tuple[str, ...]:
 
 def spread(lin: Linearisation, unknowns: Sequence[Unknown]) -> np.ndarray:
     """Jacobian by unknown (w, m, u) from that by slot."""
-    where = {s: i for i, s in enumerate(lin.slots)}
-    out = lin.slots_jac[:, :, [where[u.name] for u in unknowns]].copy()
+    out = lin.by_slot([u.name for u in unknowns])
     for j, u in enumerate(unknowns):
         if u.recording is not None:
             out[lin.recording != u.recording, :, j] = 0.0

@@ -20,10 +20,10 @@ from jaxtyping import Array, Float, Int, PyTree, Scalar
 
 from tp_jax.estimation import variable_projection
 from tp_jax.estimation.coordinates import Coordinates
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminated
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.linearisation import columns
 from tp_jax.estimation.normal_equations import NormalEquations
 from tp_jax.estimation.priors import GaussianPrior, prior_cost, prior_terms
 from tp_jax.estimation.problem import Problem
@@ -162,7 +162,7 @@ def fit(
             break
         slope = space.slope(values.pick(unknowns))
         kinked = state_steps(lin, np.zeros(problem.windows.n))[1] >= KINK if settled else None
-        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
+        elim = eliminated(lin, unknowns, slope, kinked=kinked)
         normal = elim.summed(*prior_terms(priors, unknowns, u))
         # A wrong model scatters its optimum by as much more, as in `variable_projection`.
         unit: float = max(cost / dof, 1.0)
@@ -176,7 +176,7 @@ def fit(
             problem,
             values,
             begin,
-            elim.state_gain,
+            elim.gain_by_unknown(),
             unknowns,
             space.specs,
             priors,
@@ -192,7 +192,7 @@ def fit(
             message = "The method left the region that can be integrated."
             break
         new_values = values.put(unknowns, space.values(new_u))
-        new_states = begin + np.einsum("wxu,u->wx", elim.state_gain, new_u - u)
+        new_states = at + elim.following(new_u - u)
         new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
         passes += 1.0
         if new_lin.complete.all():

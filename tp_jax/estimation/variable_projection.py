@@ -14,11 +14,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.coordinates import Coordinates
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminated
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.kept_fits import taken_or_done
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.linearisation import Linearisation, columns, spread
+from tp_jax.estimation.linearisation import Linearisation, columns
 from tp_jax.estimation.priors import GaussianPrior, prior_cost, prior_terms
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
@@ -111,7 +111,7 @@ def fit(
         slope = space.slope(x)
         own, gains = state_steps(lin, np.zeros(problem.windows.n))
         kinked = gains >= KINK if kinks and settled else None
-        elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns) * slope, kinked=kinked)
+        elim = eliminated(lin, unknowns, slope, kinked=kinked)
         normal = elim.summed(*prior_terms(priors, unknowns, u))
         box = space.box(u)
         # What a wrong model leaves scatters its optimum by as much more: digits below that scatter
@@ -136,7 +136,7 @@ def fit(
             step = normal.step(*box, damping)
             new_x = _within(space.values(u + step.du), space.limits)
             new_values = values.put(unknowns, new_x)
-            new_states = at + own + np.einsum("wxu,u->wx", elim.state_gain, step.du)
+            new_states = at + own + elim.following(step.du) - elim.state_step
             new_lin = robust(problem.linearise(new_values, new_states, slots), loss)
             passes += 1.0
             prior = prior_cost(priors, unknowns, space.of(new_x))

@@ -37,22 +37,16 @@ def folds(fit: Fit, n: int = FOLDS) -> np.ndarray:
 class Moves:
     """Moves of unknowns when groups of windows are left out, by one Newton step.
 
-    unknowns: those that follow; g (w, k) and H (w, k, k): gradients and information of the windows
-    in coordinates in which all that is known makes a unit matrix, and white (u, k) the way back;
-    steps: (G, k), one for each group.
+    unknowns: those that follow; steps: (G, u), one for each group and unknown.
     """
 
     unknowns: tuple[Unknown, ...]
-    white: np.ndarray
-    g: np.ndarray
-    H: np.ndarray
     steps: np.ndarray
 
     def values(self, fit: Fit, group: int) -> Values:
         """The numbers of a fit with the unknowns moved, kept within their bounds."""
-        shift = self.white @ self.steps[group]
         x = []
-        for u, dx in zip(self.unknowns, shift, strict=True):
+        for u, dx in zip(self.unknowns, self.steps[group], strict=True):
             spec, at = parameter(fit.problem, u), _value(fit, u)
             new = spec.from_coordinate(spec.to_coordinate(at) + dx / spec.slope(at))
             x.append(float(np.clip(new, spec.lower, spec.upper)))
@@ -68,27 +62,25 @@ def moves(fit: Fit, fold: np.ndarray) -> Moves:
     """
     free = ~fit.at_bound & np.array([_moves(fit, u) for u in fit.unknowns])
     names = [u for u, f in zip(fit.unknowns, free, strict=True) if f]
-    g = fit.eliminated.g[:, free]
-    H = fit.eliminated.H[:, free][:, :, free]
+    g, H = fit.eliminated.sums(fold)
+    g, H = g[:, free], H[:, free][:, :, free]
     normal = fit.normal()
     total = normal.part(free).information
-    pull = (normal.g - fit.eliminated.g.sum(axis=0))[free]  # half the gradient of the priors
     scale = np.sqrt(np.maximum(np.diag(total), 1e-300))
     # coordinates in which all that is known makes a unit matrix
     value, vector = np.linalg.eigh(total / np.outer(scale, scale))
     seen = value > UNSEEN * value.max(initial=0.0)
     white = vector[:, seen] / np.sqrt(value[seen]) / scale[:, None]
-    g, H, pull = g @ white, white.T @ H @ white, white.T @ pull
     # A fit that ended early is taken for what it is near to: what is left of its gradient says
     # nothing about any fold.
-    at_optimum = g - H @ (g.sum(axis=0) + pull)
-    steps = np.zeros((int(fold.max()) + 1, white.shape[1]))
+    left = white.T @ normal.g[free]  # the priors' part too
+    steps = np.zeros((len(g), len(names)))
     for k in np.unique(fold):
-        out = fold == k
-        part, axes = np.linalg.eigh(H[out].sum(axis=0))
+        mine = white.T @ H[k] @ white
+        part, axes = np.linalg.eigh(mine)
         rest = 1.0 - np.minimum(part, MOST_LEFT_OUT)
-        steps[k] = axes @ ((axes.T @ at_optimum[out].sum(axis=0)) / rest)
-    return Moves(tuple(names), white, g, H, steps)
+        steps[k] = white @ (axes @ ((axes.T @ (white.T @ g[k] - mine @ left)) / rest))
+    return Moves(tuple(names), steps)
 
 
 def left_out_cost(fit: Fit, fold: np.ndarray | None = None) -> np.ndarray:
@@ -100,11 +92,14 @@ def left_out_cost(fit: Fit, fold: np.ndarray | None = None) -> np.ndarray:
     """
     fold = folds(fit) if fold is None else fold
     found = moves(fit, fold)
-    step = found.steps[fold]
+    told = fit.eliminated
+    steps = np.zeros((len(found.steps), len(fit.unknowns)))
+    steps[:, [fit.unknowns.index(u) for u in found.unknowns]] = found.steps
+    step = told.own(steps[fold])
     return (
-        fit.eliminated.cost
-        + 2.0 * np.einsum("wk,wk->w", found.g, step)
-        + np.einsum("wk,wkl,wl->w", step, found.H, step)
+        told.cost
+        + 2.0 * np.einsum("wk,wk->w", told.g, step)
+        + np.einsum("wk,wkl,wl->w", step, told.H, step)
     )
 
 

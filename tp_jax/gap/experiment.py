@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminated
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Values
-from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.linearisation import columns
 from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem, room
@@ -82,14 +82,14 @@ def propose(setting: PreparedCampaign, fit: Fit, a: Scored, b: Scored) -> NextEx
     lin = problem.linearise(values, problem.initial_states(values), columns(unknowns))
     if not lin.complete.all():
         return None
-    elim = eliminate(lin.r, lin.states_jac, spread(lin, unknowns))
+    _, of_runs = eliminated(lin, unknowns).sums(windows.recording)
     nb, qa = len(base), len(a.variant.unknowns)
     ea = a.estimate
     if not np.any(ea):
         ea = np.array([parameter(problem, u).typical for u in a.variant.unknowns])
     sigmas = []
     for i in range(grid.size):
-        H = elim.H[windows.recording == i].sum(axis=0)
+        H = of_runs[i]
         # How much of effect a's trace is left when the parameters and effect b absorb what they
         # can on this run.
         others = [j for j in range(len(unknowns)) if not nb <= j < nb + qa]

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from tp_jax.errors import InputError
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminated
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.linearisation import columns
 from tp_jax.estimation.normal_equations import efficient_inverse, projected
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.choice import Choice
@@ -124,15 +124,16 @@ def forecasts(
 def _left(problem: Any, values: Values, model: Alternative) -> np.ndarray:
     """(r,) sums of squares that a model leaves of runs that it was not fitted to; NaN: it fails."""
     lin = problem.linearise(values, problem.initial_states(values), columns(model.unknowns))
-    elim = eliminate(lin.r, lin.states_jac, spread(lin, model.unknowns))
+    elim = eliminated(lin, model.unknowns)
     recording = problem.windows.recording
+    of_runs = elim.sums(recording)
     left = []
     for i in range(len(problem.prepared)):
         mine = recording == i
         if not lin.complete[mine].all():
             left.append(np.nan)
             continue
-        g, H = elim.g[mine].sum(axis=0), elim.H[mine].sum(axis=0) + model.information
+        g, H = of_runs[0][i], of_runs[1][i] + model.information
         left.append(max(float(elim.cost[mine].sum() - g @ efficient_inverse(H) @ g), 0.0))
     return np.array(left)
 
@@ -200,7 +201,7 @@ def _of_screen(fit: Fit, scored: Scored) -> Alternative:
     at = fit.values.replace(scored.variant.settings)
     unknowns = [*base, *scored.variant.unknowns]
     lin = fit.problem.linearise(at, fit.states, columns(unknowns))
-    H = eliminate(lin.r, lin.states_jac, spread(lin, unknowns)).H.sum(axis=0)
+    H = eliminated(lin, unknowns).summed().H
     known = dict(zip(fit.unknowns, fit.normal().prior, strict=True))
     H[np.arange(len(base)), np.arange(len(base))] += [known[u] for u in base]
     values = at.put(base, moved).put(scored.variant.unknowns, scored.estimate)

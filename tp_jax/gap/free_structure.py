@@ -20,18 +20,28 @@ Source: Zhang, Lin (2003), Biostatistics 4, 57-74, for the test of a variance at
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.linearisation import columns, gathered, places
 from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
 from tp_jax.estimation.normal_equations import scaled_inverse
+from tp_jax.estimation.parts import parts
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
-from tp_jax.gap.free_torques import FreeColumns, errors_of_readings, sources_of_errors
+from tp_jax.gap.free_torques import (
+    MOST_OF_A_SOURCE,
+    MOST_OF_ALL,
+    errors_of_readings,
+    free_columns,
+    harmonics_of,
+    sources_of_errors,
+)
 from tp_jax.gap.policy import POLICY, StructurePolicy
 from tp_jax.results.diagnosis import LackOfFit
 
@@ -58,8 +68,8 @@ def free_structure(
         if _channels(name) & coarse:
             continue
         # one source at a time: the columns of all would be the largest array of a diagnosis
-        scores = free_scores(setting, fit, errors_of_readings(setting, fit, name))
-        value, z = scores.of(np.arange(scores.unit.size))
+        scores = free_scores(setting, fit, name)
+        value, z = scores.of(name)
         phi = noise[sorted(_channels(name))].mean()
         for tau in SIZES:
             weights = value / (1.0 + tau * value)
@@ -80,15 +90,17 @@ class FreeScores:
 
     g: (w, q) gradients by the coefficients, what windows and parameters absorb projected out;
     covariance: (w, q, q) theirs; unit: (q,) of each coefficient, in which what the mean window
-    tells of it has variance one, times its weight among those of its source.
+    tells of it has variance one, times its weight among those of its source; source: (q,).
     """
 
     g: np.ndarray
     covariance: np.ndarray
     unit: np.ndarray
+    source: np.ndarray
 
-    def of(self, mine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Some coefficients (k,) in axes of their own: variances (w, k) and scores (w, k) there."""
+    def of(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """A source's coefficients (k,) in axes of their own: variances and scores (w, k) there."""
+        mine = np.flatnonzero(self.source == name)
         scaled = self.unit[mine]
         part = self.covariance[:, mine][:, :, mine] * np.outer(scaled, scaled)
         value, vector = np.linalg.eigh(part)
@@ -96,37 +108,62 @@ class FreeScores:
         return np.maximum(value, 0.0), z
 
 
-def free_scores(setting: PreparedCampaign, fit: Fit, free: FreeColumns) -> FreeScores:
+def free_scores(setting: PreparedCampaign, fit: Fit, source: str | None = None) -> FreeScores:
     """Scores of the coefficients of free columns at zero.
 
     Args:
-        setting: the campaign. fit: at its optimum. free: what is free.
+        setting: the campaign. fit: at its optimum.
+        source: of errors of readings; all that is free, torques too, if None.
     """
-    lin = fit.linearisation
     moved = np.flatnonzero(~np.asarray(fit.at_bound, dtype=bool))
     base = [fit.unknowns[i] for i in moved]
-    shapes = calibration.columns(setting, fit)
-    slots = columns(base)
-    of_slot = {s: i for i, s in enumerate(lin.slots)}
-    own = lin.slots_jac[:, :, [of_slot[s] for s in slots]]
-    left = eliminate(lin.r, lin.states_jac, np.concatenate([free.jac, own, shapes], axis=2))
-    q, u = free.source.size, len(base) + shapes.shape[2]
-    of_shapes = np.broadcast_to(np.arange(len(base), u), (len(lin.r), u - len(base)))
-    to = np.concatenate([places(base, slots, lin.recording), of_shapes], axis=1)
-    H, g = left.H[:, :q, :q], left.g[:, :q]
-    shared = gathered(left.H[:, q:, q:], to, u)
+    sums = []
+    for _, part in parts(fit, len(base)):
+        own, to, u = _shared(setting, part, base)
+        left = eliminate(part.linearisation.r, part.linearisation.states_jac, own)
+        sums.append((gathered(left.H, to, u), gathered(left.g, to, u)))
+    shared, pull = (np.sum(each, axis=0) for each in zip(*sums, strict=True))
+    u = len(pull)
     shared[np.arange(u), np.arange(u)] += np.r_[fit.normal().prior[moved], np.ones(u - len(base))]
     inverse = scaled_inverse(shared)
-    # a column that is no unknown's, as of a recording whose own number is at a bound, takes nothing
-    across = np.where(to[:, None, :] >= 0, left.H[:, :q, q:], 0.0)
-    covariance = H - across @ inverse[to[:, :, None], to[:, None, :]] @ across.transpose(0, 2, 1)
     # the fit knows nothing of the calibration's error: what that explains is taken off here
-    pull = gathered(left.g[:, q:], to, u)
     pull[: len(base)] = 0.0
-    g = g - (across @ (inverse @ pull)[to][:, :, None])[:, :, 0]
-    mean = np.einsum("wii->i", H) / fit.problem.windows.n
+    g, covariance, told = [], [], []
+    highest = harmonics_of(fit)
+    for _, part in parts(fit, len(base) + (MOST_OF_A_SOURCE if source else MOST_OF_ALL)):
+        if source is None:
+            free = free_columns(setting, part, highest)
+        else:
+            free = errors_of_readings(setting, part, source, highest)
+        own, to, _ = _shared(setting, part, base)
+        jac = np.concatenate([free.jac, own], axis=2)
+        left = eliminate(part.linearisation.r, part.linearisation.states_jac, jac)
+        q = free.source.size
+        H = left.H[:, :q, :q]
+        # a column of no unknown, as of a recording whose own number is at a bound, takes nothing
+        across = np.where(to[:, None, :] >= 0, left.H[:, :q, q:], 0.0)
+        back = inverse[to[:, :, None], to[:, None, :]] @ across.transpose(0, 2, 1)
+        covariance.append(H - across @ back)
+        g.append(left.g[:, :q] - (across @ (inverse @ pull)[to][:, :, None])[:, :, 0])
+        told.append(np.einsum("wii->i", H))
+    mean = np.sum(told, axis=0) / fit.problem.windows.n
     unit = free.weight / np.sqrt(np.maximum(mean, 1e-300))
-    return FreeScores(g, covariance, unit)
+    return FreeScores(np.concatenate(g), np.concatenate(covariance), unit, free.source)
+
+
+def _shared(
+    setting: PreparedCampaign, part: Fit, base: Sequence[Unknown]
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Derivatives (w, m, d) by what windows share: unknowns, by slot, and a calibration's shapes.
+
+    Also where columns stand among all of these (w, d), and how many there are.
+    """
+    lin, slots = part.linearisation, columns(base)
+    shapes = calibration.columns(setting, part)
+    u = len(base) + shapes.shape[2]
+    of_shapes = np.broadcast_to(np.arange(len(base), u), (len(lin.r), u - len(base)))
+    to = np.concatenate([places(base, slots, lin.recording), of_shapes], axis=1)
+    return np.concatenate([lin.by_slot(slots), shapes], axis=2), to, u
 
 
 def _channels(source: str) -> set[int]:

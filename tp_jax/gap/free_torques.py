@@ -26,6 +26,8 @@ from tp_jax.model.elementary import sine
 
 HARMONICS = 6  # of a window's length
 SHARP = 24  # of a reading's error; no more than a quarter of a window's samples
+MOST_OF_A_SOURCE = 2 * SHARP + 2  # columns
+MOST_OF_ALL = 4 * HARMONICS + 2 + 7 * MOST_OF_A_SOURCE
 
 
 class _FreeTorque(Effect):
@@ -69,8 +71,12 @@ class FreeColumns:
     weight: np.ndarray
 
 
-def free_columns(setting: PreparedCampaign, fit: Fit) -> FreeColumns:
-    """Returns what is free in each window of a fit, as columns of its Jacobian."""
+def free_columns(setting: PreparedCampaign, fit: Fit, harmonics: int | None = None) -> FreeColumns:
+    """Returns what is free in each window of a fit, as columns of its Jacobian.
+
+    Args:
+        setting: the campaign. fit: to it. harmonics: see `errors_of_readings`.
+    """
     effects = (FreeColumnTorque(), FreeContactTorque()) if setting.rider else (FreeColumnTorque(),)
     before = fit.problem
     layout = Layout(setting.campaign.model, effects)
@@ -98,7 +104,7 @@ def free_columns(setting: PreparedCampaign, fit: Fit) -> FreeColumns:
         lin = problem.linearise(values.replace(rate), fit.states, slots)
         parts.append(lin.slots_jac)
         source += [e.location for e in effects for _ in range(2 if j else 1)]
-    readings = errors_of_readings(setting, fit)
+    readings = errors_of_readings(setting, fit, harmonics=harmonics)
     return FreeColumns(
         np.concatenate([_where_read(fit, np.concatenate(parts, axis=2)), readings.jac], axis=2),
         np.concatenate([source, readings.source]),
@@ -118,22 +124,25 @@ def sources_of_errors(setting: PreparedCampaign, fit: Fit) -> list[str]:
     """The sources that `errors_of_readings` knows, for a fit's windows."""
     sensors = ["sensor1", "sensor2"] if setting.rider else ["sensor1"]
     names = [s + kind for s in sensors for kind in (" wandering", "")]
-    if _harmonics(fit) > HARMONICS:
+    if harmonics_of(fit) > HARMONICS:
         names += [s + kind for s in sensors for kind in (" jumping", " stuttering")]
         names += ["clock jumping"] if setting.rider else []
     return [*names, "clock"] if setting.rider else names
 
 
-def _harmonics(fit: Fit) -> int:
+def harmonics_of(fit: Fit) -> int:
     """Highest harmonic of a window's length that an error of its readings may have."""
     return min(SHARP, fit.linearisation.n_samples // 4)
 
 
-def errors_of_readings(setting: PreparedCampaign, fit: Fit, only: str | None = None) -> FreeColumns:
+def errors_of_readings(
+    setting: PreparedCampaign, fit: Fit, only: str | None = None, harmonics: int | None = None
+) -> FreeColumns:
     """The same of sensors, and of times: a delay between the two (constant and growing), jitter.
 
     Args:
         setting: the campaign. fit: to it. only: the source that is wanted, all if None.
+        harmonics: the highest; that of the fit's windows if None.
     """
     problem, lin = fit.problem, fit.linearisation
     w, n = problem.windows, lin.n_samples
@@ -167,7 +176,7 @@ def errors_of_readings(setting: PreparedCampaign, fit: Fit, only: str | None = N
     ramp = since / w.horizon
     slow = np.full(w.n, 1.0 / w.horizon)
     turned = np.ones_like(turn)
-    for j in range(_harmonics(fit) + 1):
+    for j in range((harmonics_of(fit) if harmonics is None else harmonics) + 1):
         rate = 2.0 * np.pi * j * slow
         waves = [(np.real(turned), 0.0 * rate)] + [(np.imag(turned), rate)] * (j > 0)
         turned = turned * turn

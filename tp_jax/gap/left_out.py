@@ -153,10 +153,9 @@ def shares(result: Refit, group: np.ndarray) -> np.ndarray:
     """
     fit = result.fit
     mine = [fit.unknowns.index(u) for u in result.variants[-1].unknowns if u in fit.unknowns]
-    H = fit.eliminated.H[:, mine][:, :, mine]
+    H = fit.eliminated.sums(group)[1][:, mine][:, :, mine]
     inverse = scaled_inverse(H.sum(axis=0))
-    told = np.einsum("ij,wji->w", inverse, H) / max(len(mine), 1)
-    return np.bincount(group, weights=told)
+    return np.einsum("ij,gji->g", inverse, H) / max(len(mine), 1)
 
 
 def largest_share(result: Refit) -> float:

@@ -323,7 +323,8 @@ def polish(setting: PreparedCampaign, result: Refit, max_iterations: int = 25) -
 
 def _falls_inwards(there: Fit, held: Collection[str]) -> bool:
     """True where the sum of squares falls as a number that was held grows, the others following."""
-    g, H = there.eliminated.g.sum(axis=0), there.eliminated.H.sum(axis=0)
+    told = there.eliminated.summed()
+    g, H = told.g, told.H
     mine = np.array([u.name in held for u in there.unknowns])
     follow = efficient_inverse(H[np.ix_(~mine, ~mine)]) @ g[~mine]
     return bool(np.any(g[mine] - H[np.ix_(mine, ~mine)] @ follow < 0.0))

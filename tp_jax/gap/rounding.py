@@ -78,32 +78,36 @@ def _beneath(sigma: np.ndarray, step: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(sigma**2 - step**2 / 12.0, (LEAST_NOISE * step) ** 2))
 
 
-def rounding(
-    fit: Fit,
-    setting: PreparedCampaign,
-    jac: np.ndarray,
-    gain: np.ndarray,
-    block: np.ndarray,
-) -> Rounding | None:
-    """Makes what draws the scores of a fit's readings; None where noise hides all their steps.
-
-    Args:
-        fit: to the campaign. setting: the campaign.
-        jac: (w, m, k) derivatives of which scores are wanted.
-        gain: (w, 4, k) how the window states follow.
-        block: (w,) of each window.
-    """
-    w, lin = fit.problem.windows, fit.linearisation
+def coarse_steps(setting: PreparedCampaign) -> np.ndarray:
+    """Steps (recordings, 2) of readings that hide their noise [rad], zero for others."""
     steps = np.zeros((len(setting.recordings), 2))
     for i in setting.fitted:
         for c, name in enumerate(CHANNELS):
             readings = setting.recordings[i].channels.get(name)
             if readings is not None and steps_hide(readings, setting.levels[i, c]):
                 steps[i, c] = quantum(readings)
-    if not steps.any():
+    return steps
+
+
+def rounding(
+    fit: Fit,
+    setting: PreparedCampaign,
+    steps: np.ndarray,
+    columns: np.ndarray | None,
+    block: np.ndarray,
+) -> Rounding | None:
+    """Makes what draws the scores of a fit's readings; None where noise hides all their steps.
+
+    Args:
+        fit: to the campaign. setting: the campaign. steps: as of `coarse_steps`.
+        columns: (w, m, k) derivatives of which scores are wanted, window states projected out;
+            None where there are no steps.
+        block: (w,) of each window.
+    """
+    if columns is None:
         return None
+    w, lin = fit.problem.windows, fit.linearisation
     residual = lin.samples.reshape(w.n, -1, 2) * fit.problem.sigma[:, None]
     at = w.first[:, None] + np.minimum(np.arange(residual.shape[1]), w.count[:, None] - 1)
     data = np.stack([setting.prepared[r].y[rows] for r, rows in zip(w.recording, at, strict=True)])
-    columns = (jac + lin.states_jac @ gain).astype(np.float32)
     return Rounding(fit.problem, data + residual, steps[w.recording], columns, block)

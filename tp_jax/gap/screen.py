@@ -20,14 +20,16 @@ from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.bounded_step import bounded_step
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit, parameter
+from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.linearisation import columns, gathered, places
 from tp_jax.estimation.normal_equations import efficient_inverse, scaled_inverse
+from tp_jax.estimation.parts import parts, rows_of
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
 from tp_jax.gap.applicability import why_not
 from tp_jax.gap.block_information import BlockInformation
 from tp_jax.gap.directions import Variant, layers, variants
-from tp_jax.gap.rounding import Rounding, rounding
+from tp_jax.gap.rounding import Rounding, coarse_steps, rounding
 
 #: Typical sizes within which an amplitude is expected. It matters where a recording says nothing of
 #: its own (the friction of a rider that never slides): it would be sent to a bound, and the step
@@ -138,34 +140,15 @@ def screen(
         else:
             every += variants(effect, setting)
     base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
-    lin = fit.linearisation
-    shapes = calibration.columns(setting, fit)
-    count, nb = sum(len(v.unknowns) for v in every), len(base) + shapes.shape[2]
-    order, parts, to, at = [], [], [], 0
-    for layer in layers(every):
-        changes: dict[str, float] = {}
-        for v in layer:
-            changes |= v.settings
-        unknowns = [u for v in layer for u in v.unknowns]
-        slots = columns(unknowns)
-        seen = fit.problem.linearise(fit.values.replace(changes), fit.states, slots)
-        parts.append(seen.slots_jac)
-        where = places(unknowns, seen.slots, lin.recording)
-        to.append(np.where(where < 0, -1, where + at))
-        for v in layer:
-            order.append((v, slice(at, at + len(v.unknowns))))
-            at += len(v.unknowns)
-    where = places(base, columns(base), lin.recording)
-    to.append(np.where(where < 0, -1, where + count))
-    of_slot = {s: i for i, s in enumerate(lin.slots)}
-    parts.append(lin.slots_jac[:, :, [of_slot[s] for s in columns(base)]])
-    parts.append(shapes)
-    at_shapes = np.arange(count + len(base), count + nb)
-    to.append(np.broadcast_to(at_shapes, (len(lin.r), nb - len(base))))
-    # one array, in its turn: of many recordings it is the largest that there is
-    jac, to = _together(parts), np.concatenate(to, axis=1)
-    elim = eliminate(lin.r, lin.states_jac, jac)
-    H, g = gathered(elim.H, to, count + nb), gathered(elim.g, to, count + nb)
+    count, stacked = _stacked(every)
+    block, steps = blocks_of(fit, setting), coarse_steps(setting)
+    first = np.unique(block, return_index=True)[1]
+    told = _Told(len(first), fit, keep=bool(steps.any()))
+    for which, part in parts(fit, sum(len(layer.slots) for layer in stacked) + len(base)):
+        told.add(which, part, *_columns(part, setting, base, count, stacked), block[which])
+    to = told.to[first]
+    nb = int(to.max(initial=count + len(base) - 1)) + 1 - count  # a calibration's shapes are last
+    H, g = gathered(told.H, to, count + nb), gathered(told.g, to, count + nb)
     known = dict(zip(fit.unknowns, fit.normal().prior, strict=True))
     prior = np.array([known[u] for u in base] + [1.0] * (nb - len(base)))
     H[np.arange(count, count + nb), np.arange(count, count + nb)] += prior
@@ -176,18 +159,12 @@ def screen(
     V = H[:count, :count] - H[:count, count:] @ gain
     V = 0.5 * (V + V.T)
     total = g[:count] - g[count:] @ gain
-    block = blocks_of(fit, setting)
-    first = np.unique(block, return_index=True)[1]
-    information = np.zeros((len(first), *elim.H.shape[1:]))
-    np.add.at(information, block, elim.H)
-    gradients = np.zeros(information.shape[:2])
-    np.add.at(gradients, block, elim.g)
-    by_block = BlockInformation.of_gradients(information, to[first], gain)
-    scores = by_block.scores(by_block.own_scores(gradients[:, :, None]))[:, :, 0]
+    by_block = BlockInformation.of_gradients(told.H, to, gain)
+    scores = by_block.scores(by_block.own_scores(told.g[:, :, None]))[:, :, 0]
     if nb > len(base):
         by_block = _with_prior(by_block, nb - len(base))
     scored = []
-    for variant, rows in order:
+    for variant, rows in (pair for layer in stacked for pair in layer.order):
         Ve, s = V[rows, rows], total[rows]
         limits = _limits(fit, variant)
         known = Ve + prior_information(fit, variant)
@@ -205,19 +182,100 @@ def screen(
                 limits,
             )
         )
-    rounded = rounding(fit, setting, jac, elim.state_gain, block)
+    rounded = rounding(fit, setting, steps, told.columns, block)
     return Screen(tuple(scored), V, by_block, missing, total, covariance, rounded)
 
 
-def _together(parts: list[np.ndarray]) -> np.ndarray:
-    """Columns (w, m, d) side by side; each part is let go as soon as it is copied."""
-    at = sum(p.shape[2] for p in parts)
-    out = np.empty((*parts[0].shape[:2], at))
-    while parts:
-        part = parts.pop()
-        out[:, :, at - part.shape[2] : at] = part
-        at -= part.shape[2]
-    return out
+@dataclasses.dataclass(frozen=True)
+class _Layer:
+    """A linearisation of the screen.
+
+    order: variants and the places of their columns among all; changes: numbers of slots; unknowns:
+    of all variants, the first at `begin`; slots: theirs.
+    """
+
+    order: tuple[tuple[Variant, slice], ...]
+    changes: dict[str, float]
+    unknowns: tuple[Unknown, ...]
+    begin: int
+
+    @property
+    def slots(self) -> tuple[str, ...]:
+        return columns(self.unknowns)
+
+
+def _stacked(every: Sequence[Variant]) -> tuple[int, list[_Layer]]:
+    """The number of columns of all variants, and the linearisations that give them."""
+    at, stacked = 0, []
+    for layer in layers(every):
+        begin, order = at, []
+        for v in layer:
+            order.append((v, slice(at, at + len(v.unknowns))))
+            at += len(v.unknowns)
+        changes = {slot: x for v in layer for slot, x in v.settings.items()}
+        unknowns = tuple(u for v in layer for u in v.unknowns)
+        stacked.append(_Layer(tuple(order), changes, unknowns, begin))
+    return at, stacked
+
+
+def _columns(
+    part: Fit,
+    setting: PreparedCampaign,
+    base: Sequence[Unknown],
+    count: int,
+    stacked: Sequence[_Layer],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives (w, m, d) of some windows by slot, and where columns stand among unknowns (w, d).
+
+    Those of effects, then the fit's, then a calibration's.
+    """
+    lin, values = part.linearisation, part.values
+    found, to = [], []
+    for layer in stacked:
+        seen = part.problem.linearise(values.replace(layer.changes), part.states, layer.slots)
+        found.append(seen.slots_jac)
+        where = places(layer.unknowns, seen.slots, lin.recording)
+        to.append(np.where(where < 0, -1, where + layer.begin))
+    where = places(base, columns(base), lin.recording)
+    to.append(np.where(where < 0, -1, where + count))
+    found.append(lin.by_slot(columns(base)))
+    shapes = calibration.columns(setting, part)
+    found.append(shapes)
+    begin = count + len(base)
+    of_shapes = np.arange(begin, begin + shapes.shape[2])
+    to.append(np.broadcast_to(of_shapes, (len(lin.r), len(of_shapes))))
+    return np.concatenate(found, axis=2), np.concatenate(to, axis=1)
+
+
+class _Told:
+    """Sums over blocks of windows, part by part.
+
+    g (B, d), H (B, d, d): by block; to: (w, d) of each window; columns: (w, m, d) derivatives with
+    the states projected out, in single precision, if they are kept.
+    """
+
+    def __init__(self, blocks: int, fit: Fit, *, keep: bool):
+        self._blocks, self._lin, self._keep = blocks, fit.linearisation, keep
+        self.g = self.H = np.zeros((0, 0))
+        self.to = np.zeros((0, 0), dtype=int)
+        self.columns: np.ndarray | None = None
+
+    def add(
+        self, which: np.ndarray, part: Fit, jac: np.ndarray, to: np.ndarray, block: np.ndarray
+    ) -> None:
+        """Adds some windows: their derivatives, where columns stand, and their blocks."""
+        lin, (windows, rows), d = part.linearisation, self._lin.r.shape, jac.shape[2]
+        if not self.to.size:
+            self.g, self.H = np.zeros((self._blocks, d)), np.zeros((self._blocks, d, d))
+            self.to = np.zeros((windows, d), dtype=int)
+            self.columns = np.zeros((windows, rows, d), dtype=np.float32) if self._keep else None
+        elim = eliminate(lin.r, lin.states_jac, jac)
+        np.add.at(self.g, block, elim.g)
+        np.add.at(self.H, block, elim.H)
+        self.to[which] = to
+        if self.columns is not None:
+            at = np.ix_(which, rows_of(self._lin, lin.n_samples))
+            self.columns[at] = jac + lin.states_jac @ elim.state_gain
 
 
 def _with_prior(by_block: BlockInformation, shapes: int) -> BlockInformation:

@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tp_jax.estimation.coordinates import Coordinates
-from tp_jax.estimation.elimination import eliminate
+from tp_jax.estimation.elimination import eliminated
 from tp_jax.estimation.fitted import parameter
 from tp_jax.estimation.layout import Unknown, Values
-from tp_jax.estimation.linearisation import Linearisation, columns, spread
+from tp_jax.estimation.linearisation import Linearisation, columns
 from tp_jax.estimation.priors import GaussianPrior, prior_cost, prior_terms
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.window_states import MAX_STATE_STEP
@@ -159,8 +159,8 @@ class _Group:
 
     def _normal(self, c: _Copy, damping: float):
         """Gradient, information and window states, in estimation coordinates."""
-        jac = spread(c.lin, self.unknowns) * self.space.slope(c.x)
-        elim = eliminate(c.lin.r, c.lin.states_jac, jac, damping)
+        slope = self.space.slope(c.x)
+        elim = eliminated(c.lin, self.unknowns, slope, damping=damping)
         return elim.summed(*prior_terms(self.priors, self.unknowns, self.space.of(c.x))), elim
 
     def _propose(self, c: _Copy, tolerance: float) -> None:
@@ -179,7 +179,7 @@ class _Group:
             c.done = c.converged = True
             return
         states = np.clip(elim.state_step, -MAX_STATE_STEP, MAX_STATE_STEP)
-        states = c.states + states + np.einsum("wxu,u->wx", elim.state_gain, du)
+        states = c.states + states + elim.following(du) - elim.state_step
         x = np.where(f, self.space.values(u + du), c.x)  # what is held keeps its digits
         c.trial = (x, c.values.put(self.unknowns, x), states, promise)
 

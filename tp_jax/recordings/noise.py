@@ -22,6 +22,7 @@ from tp_jax.recordings.recorded_run import RecordedRun
 
 ORDERS = range(2, 9)
 
+NINTH_DECILE = 1.645  # of the size of a standard normal number
 _CLIP = 3.0  # standard deviations
 _CLIPPED_VARIANCE = 0.97333  # of a standard normal, given that it lies within _CLIP
 
@@ -84,14 +85,17 @@ def _level(t: np.ndarray, y: np.ndarray, colour: Colour | None) -> tuple[float, 
         for order, difference in _differences(t[part], y0[part]):
             by_order.setdefault(order, []).append(difference)
     levels, errors = [], []
+    step = quantum(y)
     for order in sorted(by_order):
         difference = np.concatenate(by_order[order])
-        level = _robust_scale(difference) / (1.0 if colour is None else colour.seen(order))
+        level = _robust_scale(difference, stepped=step > 0.0) / (
+            1.0 if colour is None else colour.seen(order)
+        )
         levels.append(level)
         errors.append(_relative_error(order, difference.size))
     # The first order, not the smallest level: the least of several estimates is biased.
     settled = next(i for i, x in enumerate(levels) if x - min(levels[i:]) <= x * errors[i])
-    return max(levels[settled], quantum(y) / float(np.sqrt(12.0))), errors[settled]
+    return max(levels[settled], step / float(np.sqrt(12.0))), errors[settled]
 
 
 def noise_levels(
@@ -171,13 +175,18 @@ def _differences(t: np.ndarray, y: np.ndarray):
             yield order, value / np.sqrt(np.einsum("nw,nw->n", weights, weights))
 
 
-def _robust_scale(values: np.ndarray) -> float:
+def _robust_scale(values: np.ndarray, *, stepped: bool = False) -> float:
     """Standard deviation of the bulk: clipped at three of them, from the MAD on.
 
-    The MAD alone would do, but its sampling error is 1.6 times as large.
+    The MAD alone would do, but its sampling error is 1.6 times as large. Differences of readings
+    that come in steps are few numbers, of which the MAD is one and may be far from the scale (zero
+    but for its last digits, where a body nearly at rest is read coarsely), so that the clipping
+    would begin too low: it then begins at the ninth decile where that is more.
     """
     size = np.abs(values)
     scale = 1.4826 * float(np.median(size))
+    if stepped:
+        scale = max(scale, float(np.quantile(size, 0.9)) / NINTH_DECILE)
     if scale == 0.0:
         # More than half the differences vanish: a coarse reading of a body nearly at rest.
         bulk = size[size <= np.quantile(size, 0.99)]
