@@ -26,8 +26,7 @@ def parts(fit: Fit, columns: int, at_once: int = AT_ONCE) -> Iterator[tuple[np.n
         at_once: how many numbers a part may have, if it has more than one window.
 
     Yields:
-        the windows (k,) of a part, and the fit there. Its sum of squares and its degrees of freedom
-        stay those of the whole.
+        the windows (k,) of a part, and the fit there.
     """
     windows, rows = fit.linearisation.r.shape
     each = max(at_once // max(rows * columns, 1), 1)
@@ -36,16 +35,17 @@ def parts(fit: Fit, columns: int, at_once: int = AT_ONCE) -> Iterator[tuple[np.n
         return
     many = -(-windows // each)
     for which in np.array_split(np.arange(windows), many):
-        problem = of_windows(fit.problem, which)
-        yield (
-            which,
-            dataclasses.replace(
-                fit,
-                problem=problem,
-                states=fit.states[which],
-                linearisation=of_some(fit.linearisation, which, int(problem.windows.count.max())),
-            ),
-        )
+        yield which, some_of(fit, which)
+
+
+def some_of(fit: Fit, which: np.ndarray) -> Fit:
+    """A fit at some of its windows.
+
+    Its numbers, its sum of squares and its degrees of freedom stay those of the whole.
+    """
+    problem = of_windows(fit.problem, which)
+    lin = of_some(fit.linearisation, which, int(problem.windows.count.max()))
+    return dataclasses.replace(fit, problem=problem, states=fit.states[which], linearisation=lin)
 
 
 def rows_of(lin: Linearisation, count: int) -> np.ndarray:

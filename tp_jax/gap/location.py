@@ -4,9 +4,11 @@ import numpy as np
 
 from tp_jax.effects import CHANNELS
 from tp_jax.effects import get as get_effect
+from tp_jax.estimation.baseline import few_of
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.linearisation import Linearisation, spread
+from tp_jax.estimation.parts import some_of
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_torques import free_columns
@@ -14,6 +16,10 @@ from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import removable
 from tp_jax.gap.variance_components import VarianceComponents, attribute
 from tp_jax.results.diagnosis import Location
+
+MOST_WINDOWS = 400
+"""Windows that are asked where a gap lies: what is free in each has 300 numbers, all of them
+correlated, and more windows say it no better."""
 
 EXPLAINED = 0.9  # of the removable gap: causes that take so much say where it lies themselves
 
@@ -55,6 +61,9 @@ def _standing_for(choice: Choice, taken: str) -> str:
 
 def _without_cause(choice, setting, taken, when, seed) -> list[Location]:
     fit = choice.rounds[0].before
+    windows = fit.problem.windows.n
+    if windows > MOST_WINDOWS:
+        fit = some_of(fit, few_of(windows, MOST_WINDOWS))
     free = free_columns(setting, fit)
     base = [u for u, b in zip(fit.unknowns, fit.at_bound, strict=True) if not b]
     base_jac = spread(fit.linearisation, base)
