@@ -218,6 +218,16 @@ def test_other_effects_are_seen_as_before():
     assert after.estimate == pytest.approx(before.estimate, rel=0.05)
 
 
+def test_a_calibration_error_moves_the_sum_of_all_scores():
+    """As its shapes move the fit's unknowns, and with them every effect's score."""
+    setting = setting_of({"phi1": GAIN})
+    fit = linear_fit(setting)
+    known, shapes = screen(fit, setting).by_block, columns(setting, fit).shape[2]
+    moved = known.gain[-shapes:]
+    assert np.abs(moved).max() > 0.0
+    np.testing.assert_allclose(known.dense()[-1], moved.T @ moved, atol=1e-12)
+
+
 def test_an_effect_of_a_sensor_must_stand_out_to_be_refitted():
     for error, ids in (
         ({}, {"sensor1_nonlinearity", "contact_wear"}),

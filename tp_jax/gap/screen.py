@@ -288,8 +288,10 @@ def _with_prior(by_block: BlockInformation, shapes: int) -> BlockInformation:
     prior = np.zeros((1, d, d))
     last = np.arange(d - shapes, d)
     prior[0, last, last] = 1.0
-    H = np.concatenate([by_block.H, prior])
-    return BlockInformation(H, np.concatenate([by_block.to, by_block.to[:1]]), by_block.gain)
+    to = by_block.to[:1]
+    one = BlockInformation.of_gradients(prior, to, by_block.gain)
+    H = np.concatenate([by_block.H, one.H])
+    return BlockInformation(H, np.concatenate([by_block.to, to]), by_block.gain)
 
 
 def _limits(fit: Fit, variant: Variant) -> np.ndarray:
