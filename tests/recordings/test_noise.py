@@ -73,6 +73,18 @@ def test_a_body_at_rest_that_is_read_coarsely_keeps_its_noise():
     assert noise_level(t, y) == pytest.approx(y[1500:].std(), rel=0.05)
 
 
+@pytest.mark.parametrize("step", [0.0, 1e-3])
+def test_spikes_in_one_sample_of_ten_do_not_matter(step):
+    """Whether or not the readings come in steps."""
+    rng = np.random.default_rng(3)
+    y = SINE + 1e-3 * rng.standard_normal(T.size)
+    hit = rng.random(T.size) < 0.1
+    y[hit] += 0.03 * rng.choice([-1.0, 1.0], size=hit.sum())
+    y = step * np.round(y / step) if step else y
+    level = np.hypot(1e-3, step / np.sqrt(12.0))
+    assert noise_level(T, y) == pytest.approx(level, rel=0.15)
+
+
 def test_single_jumps_do_not_matter():
     y = SINE + 1e-3 * np.random.default_rng(0).standard_normal(T.size)
     y[[100, 900, 2000]] += 0.3

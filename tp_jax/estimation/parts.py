@@ -41,7 +41,8 @@ def parts(fit: Fit, columns: int, at_once: int = AT_ONCE) -> Iterator[tuple[np.n
 def some_of(fit: Fit, which: np.ndarray) -> Fit:
     """A fit at some of its windows.
 
-    Its numbers, its sum of squares and its degrees of freedom stay those of the whole.
+    Its numbers stay those of the whole, and so do its sum of squares and what was eliminated: of a
+    part, ask the linearisation.
     """
     problem = of_windows(fit.problem, which)
     lin = of_some(fit.linearisation, which, int(problem.windows.count.max()))

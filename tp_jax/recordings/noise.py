@@ -22,7 +22,6 @@ from tp_jax.recordings.recorded_run import RecordedRun
 
 ORDERS = range(2, 9)
 
-NINTH_DECILE = 1.645  # of the size of a standard normal number
 _CLIP = 3.0  # standard deviations
 _CLIPPED_VARIANCE = 0.97333  # of a standard normal, given that it lies within _CLIP
 
@@ -88,9 +87,7 @@ def _level(t: np.ndarray, y: np.ndarray, colour: Colour | None) -> tuple[float, 
     step = quantum(y)
     for order in sorted(by_order):
         difference = np.concatenate(by_order[order])
-        level = _robust_scale(difference, stepped=step > 0.0) / (
-            1.0 if colour is None else colour.seen(order)
-        )
+        level = _robust_scale(difference, step) / (1.0 if colour is None else colour.seen(order))
         levels.append(level)
         errors.append(_relative_error(order, difference.size))
     # The first order, not the smallest level: the least of several estimates is biased.
@@ -175,18 +172,21 @@ def _differences(t: np.ndarray, y: np.ndarray):
             yield order, value / np.sqrt(np.einsum("nw,nw->n", weights, weights))
 
 
-def _robust_scale(values: np.ndarray, *, stepped: bool = False) -> float:
+def _robust_scale(values: np.ndarray, step: float = 0.0) -> float:
     """Standard deviation of the bulk: clipped at three of them, from the MAD on.
 
     The MAD alone would do, but its sampling error is 1.6 times as large. Differences of readings
-    that come in steps are few numbers, of which the MAD is one and may be far from the scale (zero
+    that come in steps are few numbers, of which the MAD is one and may be far below the scale (zero
     but for its last digits, where a body nearly at rest is read coarsely), so that the clipping
-    would begin too low: it then begins at the ninth decile where that is more.
+    would begin too low: it begins at half a step at least, which no outlier moves.
+
+    Args:
+        values: differences, scaled to the standard deviation of the noise.
+        step: of the readings, 0 where they come in none.
     """
     size = np.abs(values)
     scale = 1.4826 * float(np.median(size))
-    if stepped:
-        scale = max(scale, float(np.quantile(size, 0.9)) / NINTH_DECILE)
+    scale = max(scale, 0.5 * step)
     if scale == 0.0:
         # More than half the differences vanish: a coarse reading of a body nearly at rest.
         bulk = size[size <= np.quantile(size, 0.99)]
