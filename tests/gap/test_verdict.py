@@ -83,9 +83,9 @@ def test_the_parts_of_the_level_are_the_whole():
     assert s.catalogue + s.free + s.misfit == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("p", [0.0, 0.049, 0.05, 0.4, 1.0])
+@pytest.mark.parametrize("p", [0.0, 0.0249, 0.025, 0.049, 0.05, 0.4, 1.0])
 @pytest.mark.parametrize("gap_rms", [0.0, 1e-3, float("inf")])
 @pytest.mark.parametrize("causes", [0, 1, 3])
 def test_without_a_tolerance_no_gap_is_what_the_tests_say(p, gap_rms, causes):
     evidence = dataclasses.replace(PLAIN, structure_p=p, gap_rms=gap_rms, causes=causes)
-    assert (verdict(evidence) == "no_gap") == (p >= POLICY.structure.level)
+    assert (verdict(evidence) == "no_gap") == (p >= POLICY.structure.alarm)

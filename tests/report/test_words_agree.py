@@ -9,7 +9,7 @@ from tp_jax.gap.policy import POLICY
 from tp_jax.gap.verdict import Evidence, verdict
 from tp_jax.report.text import summary
 
-P = (0.0, 2.7e-4, 0.04999, 0.05, 0.4, 1.0)
+P = (0.0, 2.7e-4, 0.02499, 0.025, 0.04999, 0.05, 0.4, 1.0)
 PROBABILITY = (0.5, 0.8, 0.9, 0.999)
 TOLERANCE = (0.0, 2e-3)
 SHRINKS = (
@@ -17,7 +17,7 @@ SHRINKS = (
     Shrink(0.6, (0.3, 0.8), True),
     Shrink(None, None, False),
 )
-LEVEL = POLICY.structure.level
+LEVEL, ALARM = POLICY.structure.level, POLICY.structure.alarm
 
 
 def combinations():
@@ -61,9 +61,9 @@ def test_no_sentence_contradicts_a_number(made):
         d = diagnosis(made, p, p_after, *rest)
         text = summary(d)
         seen.add(d["verdict"])
-        assert ("looks like noise" in text) == (p >= LEVEL)
-        assert ("No gap was found" in text) == (p >= LEVEL)
-        assert ("below the tolerance" in text) == (d["verdict"] == "no_gap" and p < LEVEL)
+        assert ("looks like noise" in text) == (p >= ALARM)
+        assert ("No gap was found" in text) == (p >= ALARM)
+        assert ("below the tolerance" in text) == (d["verdict"] == "no_gap" and p < ALARM)
         assert ("The gap is explained\n" in text) == (d["verdict"] == "explained")
         assert ("There is a gap that is not explained" in text) == (
             d["verdict"] == "unknown" and not d["causes"]
@@ -71,7 +71,7 @@ def test_no_sentence_contradicts_a_number(made):
         if d["verdict"] == "no_gap":
             assert "cause:" not in text
             continue
-        assert p < LEVEL
+        assert p < ALARM
         if "no structure beside" in text:
             assert p_after >= LEVEL
         if "still has structure" in text:

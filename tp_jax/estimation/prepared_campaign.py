@@ -24,6 +24,7 @@ from tp_jax.recordings import (
     same_rate,
     thinned,
 )
+from tp_jax.recordings.drive_noise import without_drive_noise
 
 #: Tst and T0 are nearly confounded with Ts1; without any slip T0 is free. A wide prior on log T0
 #: keeps the steps finite and is reported as unidentifiable where it decides.
@@ -39,7 +40,8 @@ class PreparedCampaign:
     """A campaign made ready: layout, prepared recordings, noise, horizons, what is unknown.
 
     Attributes:
-        campaign, recordings: all of them, held-out ones included.
+        campaign, recordings: all of them, held-out ones included; recordings may be averaged over
+            blocks, and have no noise of a measured drive that is periodic (`drive_noise`).
         layout: with the whole catalogue's slots.
         prepared: one per recording.
         levels: (r, 2) sd of the noise of both channels in every recording [rad].
@@ -192,7 +194,7 @@ def prepare_campaign(
     """
     period = typical_period([r for r in campaign.recordings if not r.held_out])
     blocks = tuple(block_length(r, period) for r in campaign.recordings)
-    recordings = tuple(map(thinned, campaign.recordings, blocks))
+    recordings = tuple(map(thinned, map(without_drive_noise, campaign.recordings), blocks))
     fitted = [r for r in recordings if not r.held_out]
     colours = _colours(recordings, period)
     levels = noise_levels(recordings, colours)

@@ -13,7 +13,8 @@ from tp_jax.gap.choice import Choice
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
 from tp_jax.gap.visited import share_outside
-from tp_jax.recordings.noise import noise_level
+from tp_jax.recordings.drive_noise import POLICY as DRIVE
+from tp_jax.recordings.drive_noise import periodic, relative_noise
 from tp_jax.results.diagnosis import LackOfFit, Location
 
 
@@ -57,12 +58,7 @@ def notes(
             f"Recordings have far more samples than their motion needs: each {_joined(blocks)} are "
             "averaged, and the noise is that of the means."
         )
-    noisy = _drive_noise(setting)
-    if noisy > POLICY.noise.drive:
-        said.append(
-            f"The measured drive has a noise of {100.0 * noisy:.2g} % of its amplitude. The model "
-            "takes its readings as they are, so that what their errors move counts as gap."
-        )
+    said += _of_drive_noise(setting)
     eps = sorted({f.values.get("eps2") for f in (choice.baseline, final.fit)})
     said.append(f"The friction's smoothing is eps = {' or '.join(f'{x:g}' for x in eps)} s.")
     if not final.fit.converged or not choice.baseline.converged:
@@ -165,16 +161,29 @@ def held_out_instead(before: str, now: str) -> str:
     )
 
 
-def _drive_noise(setting: PreparedCampaign) -> float:
-    """Noise of measured drives, of their amplitudes: the median; 0 without any."""
-    drives = [
-        (r.t, r.drive) for r in setting.recordings if r.measured_drive and r.drive is not None
+def _of_drive_noise(setting: PreparedCampaign) -> list[str]:
+    """Says what the noise of measured drives does, where it is enough to matter."""
+    noisy = {r.name: relative_noise(r) for r in setting.campaign.recordings}
+    noisy = {name: x for name, x in noisy.items() if x > DRIVE.noise}
+    if not noisy:
+        return []
+    size = f"a noise of {100.0 * float(np.median([*noisy.values()])):.2g} % of its amplitude"
+    as_read = [
+        r.name for r in setting.campaign.recordings if r.name in noisy and periodic(r) is None
     ]
-    found = [noise_level(t, y) / (np.sqrt(2.0) * y.std()) for t, y in drives if np.ptp(y)]
-    return float(np.median(found)) if found else 0.0
+    if not as_read:
+        return [
+            f"The measured drive has {size}. But for that it is periodic, and the model takes its "
+            "harmonics instead of the readings."
+        ]
+    where = "" if len(as_read) == len(noisy) else f" of {_joined(as_read)}"
+    return [
+        f"The measured drive has {size}. The model takes the readings{where} as they are, so that "
+        "what their errors move counts as gap."
+    ]
 
 
-def _joined(numbers: Sequence[int]) -> str:
+def _joined(numbers: Sequence[int | str]) -> str:
     return " or ".join(map(str, numbers))
 
 

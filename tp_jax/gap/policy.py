@@ -81,7 +81,10 @@ class StructurePolicy:
     """Thresholds from which readings count as deviating in a way that noise would not.
 
     Attributes:
-        level: of the three tests of structure together.
+        level: of the three tests of structure together, in the search for causes and of what they
+            leave.
+        alarm: of the same, below which the verdict is that there is a gap: a campaign without one
+            raises an alarm once in forty.
         catalogue, free, misfit: parts of the level that belong to structure like the catalogue's,
             to structure of any kind, and to a misfit that is larger than the noise without any
             structure. The last is small, since the noise's level is an estimate; it is reached at
@@ -91,6 +94,7 @@ class StructurePolicy:
     """
 
     level: float = 0.05
+    alarm: float = 0.025
     catalogue: float = 0.485
     free: float = 0.485
     misfit: float = 0.03
@@ -143,16 +147,12 @@ class NoisePolicy:
             residuals are not asked before causes are in: a rest so large is gap for the most part,
             which would pass for very slow noise. Slow noise of nine tenths of the variance, in
             addition to a tenth that the data show, is as large.
-        drive: noise of a measured drive, of its amplitude, from which a note says what it does. The
-            spring turns it into a torque, which moves a column of 10 rad/s, read 200 times a
-            second, by a tenth of it in half a second.
     """
 
     level: float = 0.05
     correlation: float = 0.05
     slow: float = 1.15
     below: float = 10.0
-    drive: float = 1e-3
 
 
 @dataclasses.dataclass(frozen=True)

@@ -52,7 +52,7 @@ def verdict(e: Evidence, tolerance: float = 0.0, policy: Policy = POLICY) -> Ver
     motion does.
     """
     limits = policy.verdict
-    if e.structure_p >= policy.structure.level:
+    if e.structure_p >= policy.structure.alarm:
         return "no_gap"
     if 0.0 < tolerance and e.gap_rms <= tolerance:
         return "no_gap"

@@ -42,7 +42,8 @@ _STARTS = (
     "mostly",
 )
 
-_LEVEL = 0.05  # of the test of structure
+_LEVEL = 0.05  # of the test of structure, of what causes leave
+_ALARM = 0.025  # of the same, before
 
 
 class Verdict(NamedTuple):
@@ -85,7 +86,7 @@ def sentences(found: Found) -> Verdict:
         )
     if kind == "no_gap":
         heading = _HEADINGS[kind]
-        if _has_structure(diagnosis.gap.structure_p):
+        if _has_structure(diagnosis.gap.structure_p, _ALARM):
             heading = "The gap is below the tolerance"
         said = heading, _no_gap(diagnosis), "No effect needs to be added to the model."
         return Verdict(*said, _unseen(diagnosis), error=_error(diagnosis))
@@ -207,7 +208,7 @@ def _how_far(diagnosis: DiagnosisRecord) -> str:
 def _no_gap(diagnosis: DiagnosisRecord) -> str:
     p, limit = diagnosis.gap.structure_p, diagnosis.gap.tolerance
     test = f" (test of structure: {p_value(p)})" if p is not None else ""
-    if _has_structure(p):  # the verdict is by the tolerance then
+    if _has_structure(p, _ALARM):  # the verdict is by the tolerance then
         size = f" of {angle(limit)}" if limit else ""
         return (
             f"What the fitted model leaves has structure{test}, but its error is below the "
@@ -239,9 +240,9 @@ def _error(diagnosis: DiagnosisRecord) -> str:
     return ""
 
 
-def _has_structure(p: float | None) -> bool:
+def _has_structure(p: float | None, level: float = _LEVEL) -> bool:
     """True where a test of structure finds something; not known counts as nothing."""
-    return p is not None and p < _LEVEL
+    return p is not None and p < level
 
 
 def _nothing_left(diagnosis: DiagnosisRecord) -> bool:

@@ -1,0 +1,163 @@
+"""A measured drive without the noise of its sensor, where it is periodic but for that noise.
+
+A model takes a measured drive as it reads, and the spring turns the noise of the readings into a
+torque on the column: one that the rig never felt, slow enough to move it, and no effect's. A motor
+that turns a crank moves periodically. Where a constant and some harmonics of one frequency leave
+nothing but noise of the size that the readings have, they are the drive, and are known far better
+than any reading. Where they leave more (a drive by hand, a motor whose speed wanders), the readings
+stay as they are.
+
+Source: Quinn and Fernandes (1991), Biometrika 78, 489-497, for a frequency found by least squares.
+"""
+
+import dataclasses
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from tp_jax.recordings.noise import noise_level_and_error
+from tp_jax.recordings.recording import Recording
+
+
+@dataclasses.dataclass(frozen=True)
+class DrivePolicy:
+    """Conditions under which a measured drive is taken for its periodic part.
+
+    Attributes:
+        noise: of the readings, of the drive's amplitude, below which it does not matter. The spring
+            turns it into a torque, which moves a column of 10 rad/s, read 200 times a second, by a
+            tenth of it in half a second.
+        harmonics: at most.
+        errors: standard errors by which what is left may exceed the noise.
+        chance: that noise has a line as high as is taken for one.
+        slow: multiples of the drive's frequency up to which what is left must be white: the
+            column's inertia lets through nothing faster. Rounding has lines beyond.
+        samples: below which nothing is said.
+    """
+
+    noise: float = 1e-3
+    harmonics: int = 8
+    errors: float = 3.0
+    chance: float = 1e-3
+    slow: float = 8.0
+    samples: int = 64
+
+
+POLICY = DrivePolicy()
+
+
+@dataclasses.dataclass(frozen=True)
+class PeriodicDrive:
+    """A measured drive but for its noise.
+
+    Attributes:
+        values: (n,) at the samples, in the readings' unit.
+        omega: its frequency [rad/s]; 0 where it stands.
+        harmonics: how many it has.
+        noise: of the readings, as a part of the amplitude of the drive.
+    """
+
+    values: np.ndarray
+    omega: float
+    harmonics: int
+    noise: float
+
+
+def relative_noise(recording: Recording) -> float:
+    """Noise of a measured drive as a part of its amplitude; 0 where none is measured, or moves."""
+    if recording.drive is None or np.ptp(recording.drive) == 0.0:
+        return 0.0
+    level = noise_level_and_error(recording.t, recording.drive)[0]
+    return float(level / (np.sqrt(2.0) * recording.drive.std()))
+
+
+def periodic(recording: Recording, policy: DrivePolicy = POLICY) -> PeriodicDrive | None:
+    """Finds what a measured drive is but for noise.
+
+    Args:
+        recording: with or without a measured drive. policy: what decides.
+
+    Returns:
+        None where there is no measured drive, where its noise does not matter, or where more than
+        noise would be left.
+    """
+    t, y = recording.t, recording.drive
+    if y is None or t.size < policy.samples or np.ptp(y) == 0.0:
+        return None
+    noise = relative_noise(recording)
+    if noise <= policy.noise:
+        return None
+    level, error = noise_level_and_error(t, y)
+    middle = t - t.mean()
+    constant = np.full(t.size, y.mean())
+    if _is_noise(t, y - constant, 1, level, error, 0.0, policy):
+        return PeriodicDrive(constant, 0.0, 0, noise)
+    first = _frequency(t, y)
+    most = min(policy.harmonics, int(0.4 * np.pi / np.median(np.diff(t)) / first))
+    for harmonics in range(1, most + 1):
+        omega, values = _fitted(middle, y, first, harmonics)
+        if _is_noise(t, y - values, 2 * harmonics + 2, level, error, omega, policy):
+            return PeriodicDrive(values, omega, harmonics, noise)
+    return None
+
+
+def without_drive_noise(recording: Recording, policy: DrivePolicy = POLICY) -> Recording:
+    """The recording with its drive's periodic part in place of the readings, if it has one."""
+    found = periodic(recording, policy)
+    return recording if found is None else dataclasses.replace(recording, drive=found.values)
+
+
+def _frequency(t: np.ndarray, y: np.ndarray) -> float:
+    """The drive's frequency [rad/s] to a tenth of the resolution of its spectrum."""
+    even = np.linspace(t[0], t[-1], t.size)
+    swing = np.interp(even, t, y - y.mean()) * np.hanning(t.size)
+    power = np.abs(np.fft.rfft(swing, 8 * t.size))
+    power[:4] = 0.0
+    return float(2.0 * np.pi * np.argmax(power) / (8 * t.size * (even[1] - even[0])))
+
+
+def _columns(t: np.ndarray, omega: float, harmonics: int) -> np.ndarray:
+    angle = omega * np.outer(t, np.arange(1, harmonics + 1))
+    return np.concatenate([np.ones((t.size, 1)), np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _fitted(t: np.ndarray, y: np.ndarray, first: float, harmonics: int) -> tuple[float, np.ndarray]:
+    """Frequency and values (n,) of the best sum of harmonics near a frequency."""
+
+    def values(omega: float) -> np.ndarray:
+        A = _columns(t, omega, harmonics)
+        return A @ np.linalg.lstsq(A, y, rcond=None)[0]
+
+    near = np.pi / np.ptp(t)  # half of a period more or less in all
+    found = minimize_scalar(
+        lambda omega: float(((y - values(omega)) ** 2).sum()),
+        bounds=(max(first - near, 0.2 * first), first + near),
+        method="bounded",
+        options={"xatol": 1e-6 * near},
+    )
+    return float(found.x), values(float(found.x))
+
+
+def _is_noise(
+    t: np.ndarray,
+    left: np.ndarray,
+    numbers: int,
+    level: float,
+    error: float,
+    omega: float,
+    policy: DrivePolicy,
+) -> bool:
+    """True where no more than noise is left, white where the column would answer."""
+    n = left.size
+    excess = float((left**2).sum()) / max(n - numbers, 1) / level**2 - 1.0
+    if excess > policy.errors * np.hypot(2.0 * error, np.sqrt(2.0 / n)):
+        return False
+    power = np.abs(np.fft.rfft(left))[1:] ** 2 / (n * level**2)  # of white noise: 1 on average
+    slow = 2.0 * np.pi * np.arange(1, power.size + 1) / np.ptp(t)
+    seen = power[slow <= policy.slow * omega] if omega else power
+    if not seen.size:
+        return True
+    lines = bool(seen.max() > np.log(seen.size / policy.chance))
+    return not lines and seen.mean() - 1.0 <= policy.errors * np.hypot(
+        2.0 * error, 1.0 / np.sqrt(seen.size)
+    )
