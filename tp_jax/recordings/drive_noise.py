@@ -45,6 +45,9 @@ class DrivePolicy:
 
 POLICY = DrivePolicy()
 
+SEARCHED = 2048
+"""Samples from which a frequency is sought, where so many show it."""
+
 
 @dataclasses.dataclass(frozen=True)
 class PeriodicDrive:
@@ -94,11 +97,18 @@ def periodic(recording: Recording, policy: DrivePolicy = POLICY) -> PeriodicDriv
         return PeriodicDrive(constant, 0.0, 0, noise)
     first = _frequency(t, y)
     most = min(policy.harmonics, int(0.4 * np.pi / np.median(np.diff(t)) / first))
-    for harmonics in range(1, most + 1):
-        omega, values = _fitted(middle, y, first, harmonics)
+    if most < 1:
+        return None
+    # all harmonics at first: where they leave too much, fewer leave more, and the search is over
+    omega = _best_frequency(middle, y, first, most)
+    for harmonics in (most, *range(1, most)):
+        values = _values(middle, y, omega, harmonics)
         if _is_noise(t, y - values, 2 * harmonics + 2, level, error, omega, policy):
-            return PeriodicDrive(values, omega, harmonics, noise)
-    return None
+            if harmonics < most:
+                return PeriodicDrive(values, omega, harmonics, noise)
+        elif harmonics == most:
+            return None
+    return PeriodicDrive(_values(middle, y, omega, most), omega, most, noise)
 
 
 def without_drive_noise(recording: Recording, policy: DrivePolicy = POLICY) -> Recording:
@@ -116,26 +126,31 @@ def _frequency(t: np.ndarray, y: np.ndarray) -> float:
     return float(2.0 * np.pi * np.argmax(power) / (8 * t.size * (even[1] - even[0])))
 
 
-def _columns(t: np.ndarray, omega: float, harmonics: int) -> np.ndarray:
+def _values(t: np.ndarray, y: np.ndarray, omega: float, harmonics: int) -> np.ndarray:
+    """Values (n,) of the best constant and harmonics of a frequency."""
     angle = omega * np.outer(t, np.arange(1, harmonics + 1))
-    return np.concatenate([np.ones((t.size, 1)), np.cos(angle), np.sin(angle)], axis=1)
+    A = np.concatenate([np.ones((t.size, 1)), np.cos(angle), np.sin(angle)], axis=1)
+    return A @ np.linalg.lstsq(A.T @ A, A.T @ y, rcond=1e-12)[0]
 
 
-def _fitted(t: np.ndarray, y: np.ndarray, first: float, harmonics: int) -> tuple[float, np.ndarray]:
-    """Frequency and values (n,) of the best sum of harmonics near a frequency."""
+def _best_frequency(t: np.ndarray, y: np.ndarray, first: float, harmonics: int) -> float:
+    """The frequency near another whose harmonics leave least.
 
-    def values(omega: float) -> np.ndarray:
-        A = _columns(t, omega, harmonics)
-        return A @ np.linalg.lstsq(A, y, rcond=None)[0]
-
+    Means over blocks, of which 32 make a period, have the same; of ten thousands of samples the
+    search takes these.
+    """
+    in_period = 2.0 * np.pi / first * (t.size - 1) / np.ptp(t)
+    block = max(1, min(t.size // SEARCHED, int(in_period / 32.0)))
+    whole = t.size // block * block
+    t, y = (x[:whole].reshape(-1, block).mean(axis=1) for x in (t, y))
     near = np.pi / np.ptp(t)  # half of a period more or less in all
     found = minimize_scalar(
-        lambda omega: float(((y - values(omega)) ** 2).sum()),
+        lambda omega: float(((y - _values(t, y, omega, harmonics)) ** 2).sum()),
         bounds=(max(first - near, 0.2 * first), first + near),
         method="bounded",
         options={"xatol": 1e-6 * near},
     )
-    return float(found.x), values(float(found.x))
+    return float(found.x)
 
 
 def _is_noise(
