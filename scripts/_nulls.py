@@ -22,7 +22,7 @@ LEDGER = ROOT / "trials" / "nulls.jsonl"
 RATES = {"two-rates": (250.0, 2000.0, 250.0, 2000.0), "coarse": (100.0,) * 4}
 """Samples a second of the four runs [Hz]; of other kinds 250."""
 
-TESTED = ("slow", "coarse", "anticorrelated", "two-rates", "rough", "measured")
+TESTED = ("slow", "coarse", "anticorrelated", "two-rates", "clean", "rough", "measured")
 """Kinds of which the tests alone are asked, as a diagnosis begins; nothing is searched for."""
 
 DRAGS = {"decay": 0.0, "decay-drag": 0.003, "decay-drag-strong": 0.05}
@@ -137,16 +137,17 @@ def _campaign(kind: str, seed: int) -> Any:
     from tests import noisy
     from tp_jax.recordings import hold_out, load_campaign
 
-    if kind not in ("rough", "measured"):
+    if kind not in ("clean", "rough", "measured"):
         noise = {"two-rates": noisy.white}.get(kind) or getattr(noisy, kind)
         return noisy.campaign(noise, seed, RATES.get(kind, (250.0,) * 4))
-    from trials.case import make_case
+    from trials.case import Settings, make_case
     from trials.plan import Case
     from trials.rough import RoughSettings
 
     with tempfile.TemporaryDirectory() as folder:
         driven = {"measured": 1.0, "decays_only": 0.0} if kind == "measured" else {}
-        make_case(Path(folder), Case("case", "none", seed, ()), RoughSettings(**driven))
+        settings = Settings() if kind == "clean" else RoughSettings(**driven)
+        make_case(Path(folder), Case("case", "none", seed, ()), settings)
         return hold_out(load_campaign(Path(folder) / "case"))
 
 
