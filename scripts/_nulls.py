@@ -104,8 +104,8 @@ def _tested(kind: str, seed: int) -> dict[str, Any]:
     from tp_jax.estimation.baseline import fit_over_schedule, initial_values
     from tp_jax.estimation.prepared_campaign import prepare_campaign
     from tp_jax.estimation.sharpen import fit_with_sharp_friction
-    from tp_jax.gap.choice import misfits
     from tp_jax.gap.known_noise import with_noise_of
+    from tp_jax.gap.misfit import misfits
     from tp_jax.gap.policy import POLICY
     from tp_jax.gap.screen import screen
     from tp_jax.gap.structure import structure_test

@@ -11,9 +11,9 @@ from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.gap import known_noise
-from tp_jax.gap.choice import misfits
 from tp_jax.gap.held_out import squares
 from tp_jax.gap.known_noise import alike, choose_under_noise, with_noise_of
+from tp_jax.gap.misfit import misfits
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.screen import screen
 from tp_jax.gap.structure import structure_test

@@ -32,6 +32,13 @@ def test_a_periodic_drive_loses_its_noise():
     assert "periodic" in note
 
 
+def test_a_drive_that_stands_says_nothing_of_an_amplitude():
+    """Of two decays and a driven run it is the latter's noise that is told."""
+    still = np.full(T.size, 0.1)
+    assert "noise of 5" in said(still, SINE, still)[0]
+    assert said(still) == []
+
+
 def test_another_one_is_taken_as_it_reads():
     assert "takes the readings as they are" in said(BY_HAND)[0]
     assert "takes the readings of run-1.csv as they are" in said(SINE, BY_HAND)[0]

@@ -80,6 +80,8 @@ def test_what_is_not_periodic_stays_as_it_reads(drive):
 def test_noise_that_does_not_matter_stays():
     true = swing()
     recording = of(true + noise(true.size, 1e-4))
+    assert relative_noise(recording) == pytest.approx(1e-4, rel=0.2)
+    assert relative_noise(of(np.full(2000, 0.1))) == 0.0
     assert without_drive_noise(recording) is recording
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from tp_jax.estimation.assemble import fit_record
-from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import correlations, intervals
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import tables
@@ -25,6 +24,7 @@ from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
+from tp_jax.gap.misfit import excess
 from tp_jax.gap.notes import beyond_its_range, elsewhere, notes, why_no_cause
 from tp_jax.gap.refit import Refit
 from tp_jax.gap.relative import told
@@ -71,14 +71,14 @@ def assemble(
             held[final.ids[0]] = after
     total = shrink(setting, before, after, seed, least)
     first = choice.rounds[0]
-    excess = _excess(setting, baseline, least)
+    beyond = excess(setting, baseline, least)
     before_rest = free_structure(setting, baseline)
     after_rest = free_structure(setting, final.fit) if final.ids else before_rest
-    structure_p = combined(first.structure.p, before_rest.p, excess)
+    structure_p = combined(first.structure.p, before_rest.p, beyond)
     structure_p = min(choice.looks * structure_p, 1.0)
     structure_p_after = structure_p
     if final.ids:
-        left = _excess(setting, final.fit, least)
+        left = excess(setting, final.fit, least)
         rest = choice.structure
         if dropped or doubts.gone:  # the last round looked beside causes that are gone
             seen = screen(final.fit, setting, skip=final.ids, states=False)
@@ -162,7 +162,7 @@ def assemble(
             free_structure=(
                 LackOfFits(before_rest, after_rest) if ids else LackOfFits(before_rest)
             ),
-            excess_z=excess,
+            excess_z=beyond,
             tolerance=tolerance,
             rejected=(*worse, *dropped, *doubts.gone),
             chi2_dof=Misfits(baseline.chi2_dof, final.fit.chi2_dof),
@@ -239,11 +239,3 @@ def _evidence(
 def _common_horizon(setting: PreparedCampaign, horizon: float) -> float:
     longest = max(setting.recordings[i].duration for i in setting.held_out)
     return float(min(horizon, longest))
-
-
-def _excess(setting: PreparedCampaign, baseline: Fit, least: Floor) -> float:
-    """Standard errors by which the misfit exceeds the floor, its own uncertainty included."""
-    error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(baseline.dof, 1)))
-    error = np.hypot(error, np.sqrt(2.0 * np.sum(least.misfit**2)))
-    # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
-    return float((baseline.chi2_dof - 1.0 - least.misfit.sum()) / error)

@@ -25,9 +25,8 @@ from tp_jax.gap.earning import (
     likeliest,
     most_promising,
 )
-from tp_jax.gap.free_structure import free_structure
-from tp_jax.gap.held_out import floor_error
 from tp_jax.gap.left_out import LeftOut, groups, largest_share, left_out, shares
+from tp_jax.gap.misfit import misfits
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import (
     Refit,
@@ -41,7 +40,6 @@ from tp_jax.gap.refit import (
 )
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.structure import Structure, structure_test
-from tp_jax.gap.verdict import combined
 
 log = logging.getLogger(__name__)
 
@@ -347,13 +345,6 @@ def confirmed(
         if found.confirmed:
             break
     return found
-
-
-def misfits(setting: PreparedCampaign, fit: Fit) -> bool:
-    """True where a fit leaves more than noise by the tests that ask for no effect."""
-    excess = (fit.chi2_dof - 1.0) / np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
-    p = combined(1.0, free_structure(setting, fit).p, excess)
-    return p < POLICY.structure.level
 
 
 def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:

@@ -45,6 +45,9 @@ from tp_jax.gap.free_torques import (
 from tp_jax.gap.policy import POLICY, StructurePolicy
 from tp_jax.results.diagnosis import LackOfFit
 
+#: Unknowns, (u, u) inverse information about them and a calibration's shapes, (u,) gradient.
+Shared = tuple[Sequence[Unknown], np.ndarray, np.ndarray]
+
 SIZES = (0.0, 10.0)  # tau
 LEAST = 1e-12  # p: of the tail beyond, the approximation knows nothing
 
@@ -64,11 +67,12 @@ def free_structure(
     best = LackOfFit(1.0, "", 1.0)
     tests = 0
     known = 1.0 + (policy.colour if fit.problem.coloured else 0.0)
+    shared = _of_all_windows(setting, fit)
     for name in sources_of_errors(setting, fit):
         if _channels(name) & coarse:
             continue
         # one source at a time: the columns of all would be the largest array of a diagnosis
-        scores = free_scores(setting, fit, name)
+        scores = free_scores(setting, fit, name, shared)
         value, z = scores.of(name)
         phi = noise[sorted(_channels(name))].mean()
         for tau in SIZES:
@@ -108,26 +112,17 @@ class FreeScores:
         return np.maximum(value, 0.0), z
 
 
-def free_scores(setting: PreparedCampaign, fit: Fit, source: str | None = None) -> FreeScores:
+def free_scores(
+    setting: PreparedCampaign, fit: Fit, source: str | None = None, shared: Shared | None = None
+) -> FreeScores:
     """Scores of the coefficients of free columns at zero.
 
     Args:
         setting: the campaign. fit: at its optimum.
         source: of errors of readings; all that is free, torques too, if None.
+        shared: as of `_of_all_windows`, if it is known already.
     """
-    moved = np.flatnonzero(~np.asarray(fit.at_bound, dtype=bool))
-    base = [fit.unknowns[i] for i in moved]
-    sums = []
-    for _, part in parts(fit, len(base)):
-        own, to, u = _shared(setting, part, base)
-        left = eliminate(part.linearisation.r, part.linearisation.states_jac, own)
-        sums.append((gathered(left.H, to, u), gathered(left.g, to, u)))
-    shared, pull = (np.sum(each, axis=0) for each in zip(*sums, strict=True))
-    u = len(pull)
-    shared[np.arange(u), np.arange(u)] += np.r_[fit.normal().prior[moved], np.ones(u - len(base))]
-    inverse = scaled_inverse(shared)
-    # the fit knows nothing of the calibration's error: what that explains is taken off here
-    pull[: len(base)] = 0.0
+    base, inverse, pull = _of_all_windows(setting, fit) if shared is None else shared
     g, covariance, told = [], [], []
     highest = harmonics_of(fit)
     for _, part in parts(fit, len(base) + (MOST_OF_A_SOURCE if source else MOST_OF_ALL)):
@@ -149,6 +144,24 @@ def free_scores(setting: PreparedCampaign, fit: Fit, source: str | None = None) 
     mean = np.sum(told, axis=0) / fit.problem.windows.n
     unit = free.weight / np.sqrt(np.maximum(mean, 1e-300))
     return FreeScores(np.concatenate(g), np.concatenate(covariance), unit, free.source)
+
+
+def _of_all_windows(setting: PreparedCampaign, fit: Fit) -> Shared:
+    """Unknowns that windows share, inverse information about them, and the gradient by them."""
+    moved = np.flatnonzero(~np.asarray(fit.at_bound, dtype=bool))
+    base = [fit.unknowns[i] for i in moved]
+    sums = []
+    for _, part in parts(fit, len(base)):
+        own, to, u = _shared(setting, part, base)
+        left = eliminate(part.linearisation.r, part.linearisation.states_jac, own)
+        sums.append((gathered(left.H, to, u), gathered(left.g, to, u)))
+    H, pull = (np.sum(each, axis=0) for each in zip(*sums, strict=True))
+    u = len(pull)
+    H[np.arange(u), np.arange(u)] += np.r_[fit.normal().prior[moved], np.ones(u - len(base))]
+    inverse = scaled_inverse(H)
+    # the fit knows nothing of the calibration's error: what that explains is taken off here
+    pull[: len(base)] = 0.0
+    return base, inverse, pull
 
 
 def _shared(

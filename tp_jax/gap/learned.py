@@ -20,10 +20,11 @@ from tp_jax.effects import AnyLaw
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
-from tp_jax.gap.choice import FURTHER, Choice, Round, choose, confirmed, looked_at, misfits, tried
+from tp_jax.gap.choice import FURTHER, Choice, Round, choose, confirmed, looked_at, tried
 from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import earned
+from tp_jax.gap.misfit import misfits
 from tp_jax.gap.policy import POLICY, LearningPolicy
 from tp_jax.gap.refit import (
     Refit,

@@ -163,27 +163,28 @@ def held_out_instead(before: str, now: str) -> str:
 
 def _of_drive_noise(setting: PreparedCampaign) -> list[str]:
     """Says what the noise of measured drives does, where it is enough to matter."""
-    noisy = {r.name: relative_noise(r) for r in setting.campaign.recordings}
-    noisy = {name: x for name, x in noisy.items() if x > DRIVE.noise}
-    if not noisy:
+    noisy = [r for r in setting.campaign.recordings if relative_noise(r) > DRIVE.noise]
+    found = {r.name: periodic(r) for r in noisy}
+    # of a drive that stands noise is all there is, and no part of an amplitude
+    moving = [r for r in noisy if (drive := found[r.name]) is None or drive.harmonics]
+    if not moving:
         return []
-    size = f"a noise of {100.0 * float(np.median([*noisy.values()])):.2g} % of its amplitude"
-    as_read = [
-        r.name for r in setting.campaign.recordings if r.name in noisy and periodic(r) is None
-    ]
+    part = float(np.median([relative_noise(r) for r in moving]))
+    size = f"a noise of {100.0 * part:.2g} % of its amplitude"
+    as_read = [r.name for r in moving if found[r.name] is None]
     if not as_read:
         return [
             f"The measured drive has {size}. But for that it is periodic, and the model takes its "
             "harmonics instead of the readings."
         ]
-    where = "" if len(as_read) == len(noisy) else f" of {_joined(as_read)}"
+    where = "" if len(as_read) == len(moving) else f" of {', '.join(as_read)}"
     return [
         f"The measured drive has {size}. The model takes the readings{where} as they are, so that "
         "what their errors move counts as gap."
     ]
 
 
-def _joined(numbers: Sequence[int | str]) -> str:
+def _joined(numbers: Sequence[int]) -> str:
     return " or ".join(map(str, numbers))
 
 

@@ -1,0 +1,30 @@
+"""The misfit of a fit: by how much its sum of squares exceeds what noise leaves."""
+
+import numpy as np
+
+from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
+from tp_jax.gap.calibration import Floor
+from tp_jax.gap.free_structure import free_structure
+from tp_jax.gap.held_out import floor_error
+from tp_jax.gap.policy import POLICY
+from tp_jax.gap.verdict import combined
+
+
+def excess(setting: PreparedCampaign, fit: Fit, least: Floor | None = None) -> float:
+    """Standard errors by which the misfit exceeds the floor, its own uncertainty included.
+
+    Args:
+        setting: the campaign. fit: at its optimum. least: the floor; None: the noise alone.
+    """
+    parts = np.zeros(0) if least is None else least.misfit
+    error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
+    error = np.hypot(error, np.sqrt(2.0 * np.sum(parts**2)))
+    # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
+    return float((fit.chi2_dof - 1.0 - parts.sum()) / error)
+
+
+def misfits(setting: PreparedCampaign, fit: Fit) -> bool:
+    """True where a fit leaves more than noise by the tests that ask for no effect."""
+    p = combined(1.0, free_structure(setting, fit).p, excess(setting, fit))
+    return p < POLICY.structure.level
