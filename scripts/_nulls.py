@@ -101,9 +101,10 @@ def look(kind: str, seed: int, version: str) -> Row:
 
 def _tested(kind: str, seed: int) -> dict[str, Any]:
     """The tests that a diagnosis makes of its baseline."""
-    from tp_jax.estimation.baseline import fit_over_schedule, initial_values
     from tp_jax.estimation.prepared_campaign import prepare_campaign
+    from tp_jax.estimation.schedule import fit_over_schedule
     from tp_jax.estimation.sharpen import fit_with_sharp_friction
+    from tp_jax.estimation.start import initial_values
     from tp_jax.gap.known_noise import with_noise_of
     from tp_jax.gap.misfit import misfits
     from tp_jax.gap.policy import POLICY

@@ -8,10 +8,10 @@ import numpy as np
 
 from tests.reference import BENCH, reference
 from tp_jax.effects import catalogue
-from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.windows import Prepared, Windows, cut
 from tp_jax.recordings import Campaign, Recording
 

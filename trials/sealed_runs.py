@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from tp_jax.effects import get
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap.directions import variants
 from tp_jax.gap.held_out import evaluate, shrink
 from tp_jax.gap.refit import refit, refit_with_sharp_friction

@@ -21,10 +21,11 @@ def study(number: int, settings: Settings) -> dict[str, Any]:
         number: of the rig; with the settings' seed it decides everything random.
         settings: of the study.
     """
-    from tp_jax.estimation.baseline import fit_over_schedule, initial_values
     from tp_jax.estimation.intervals import intervals
     from tp_jax.estimation.prepared_campaign import prepare_campaign
+    from tp_jax.estimation.schedule import fit_over_schedule
     from tp_jax.estimation.sharpen import fit_with_sharp_friction
+    from tp_jax.estimation.start import initial_values
     from tp_jax.identifiability.profile_likelihood import profiles
     from tp_jax.recordings import load_campaign
     from tp_jax.rig import make_campaign

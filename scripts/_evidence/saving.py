@@ -139,8 +139,9 @@ def save(folder: Path, number: int, rigs: str) -> float:
 
 def first_screen(campaign: Path) -> tuple["PreparedCampaign", "Fit", "Screen", "Structure"]:
     """A campaign as the first round of its diagnosis sees it."""
-    from tp_jax.estimation.baseline import fit_over_schedule, initial_values
     from tp_jax.estimation.prepared_campaign import prepare_campaign
+    from tp_jax.estimation.schedule import fit_over_schedule
+    from tp_jax.estimation.start import initial_values
     from tp_jax.gap.choice import looked_at
     from tp_jax.gap.known_noise import with_noise_of
     from tp_jax.gap.policy import POLICY

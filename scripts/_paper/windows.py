@@ -9,10 +9,11 @@ import numpy as np
 
 from scripts._paper.nelder_mead import Searched
 from scripts._paper.objective import ORDER, Objective
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
 from tp_jax.recordings import Campaign, Recording
 
 LADDER = (0.25, 0.6, 1.5, 4.0)

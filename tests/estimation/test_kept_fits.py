@@ -9,10 +9,10 @@ import pytest
 from tests.rigs import synthetic_campaign
 from tp_jax.errors import InputError
 from tp_jax.estimation import kept_fits, variable_projection
-from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.checkpoint import digest_of
 from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.start import initial_values
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ import pytest
 
 from tests.rigs import synthetic_campaign
 from tp_jax.estimation import multistart
-from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.checkpoint import Checkpoint
 from tp_jax.estimation.multistart import Interrupted, search
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.starts import Start
 
 HELD = ("B2", "A", "c1", "M1", "Tv", "Ts1", "Tst", "T0")

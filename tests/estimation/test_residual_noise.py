@@ -7,12 +7,13 @@ import pytest
 from scipy import signal
 
 from tests import noisy
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.residual_noise import (
     with_residual_noise,
     without_residual_noise,
 )
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.variable_projection import fit as fitted
 from tp_jax.recordings import Campaign, Recording
 from tp_jax.rig import BENCH, VirtualRig

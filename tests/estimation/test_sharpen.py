@@ -7,9 +7,10 @@ import pytest
 
 import tp_jax as tp
 from tp_jax.estimation import sharpen
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
+from tp_jax.estimation.start import initial_values
 from tp_jax.model.parameters import DEFAULT_EPS, PAPER_EPS, SHARPEST_EPS
 from tp_jax.rig import RigParameters, make_campaign
 

@@ -7,9 +7,9 @@ import pytest
 
 from tests.reference import BENCH
 from tests.rigs import lossy, synthetic_campaign
-from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.modulating import bumps
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.weak_form import WeakForm
 
 COLUMN = ("k", "c1", "M1")

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from tests.standing_in import standing_in
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap.forecast import Alternative, _left, forecasts, natural_frequency
 from tp_jax.gap.next_run import NOTHING, Run
 from tp_jax.gap.refit import Refit

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import tp_jax as tp
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap.detectability import minimum_detectable
 from tp_jax.gap.screen import screen
 from tp_jax.rig import make_campaign

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from tests import noisy
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap import known_noise
 from tp_jax.gap.held_out import squares
 from tp_jax.gap.known_noise import alike, choose_under_noise, with_noise_of

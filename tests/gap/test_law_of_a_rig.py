@@ -9,8 +9,9 @@ import pytest
 from tests.rigs import synthetic_campaign
 from tp_jax.cli.output import json_text
 from tp_jax.effects import AnyLaw, catalogue
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap import visited
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import choose

@@ -11,9 +11,9 @@ from tests.rigs import synthetic_campaign, synthetic_values
 from tp_jax.effects import catalogue
 from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import fit_record
-from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.placement import place
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.applicability import check_known, check_predictable, why_not
 from tp_jax.gap.free_run import start_state

@@ -8,10 +8,11 @@ import pytest
 
 from tests import noisy
 from tests.standing_in import standing_in
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap.known_noise import with_noise_of
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.rounding import Rounding

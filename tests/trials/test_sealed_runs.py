@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap.held_out import evaluate
 from tp_jax.rig import RigParameters, make_campaign
 from trials.sealed_runs import together, true_model

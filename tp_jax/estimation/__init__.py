@@ -3,7 +3,8 @@
 layout, program, windows, problem    what is estimated, and its one compiled linearisation
                                      (linearisation, placement, program_choice, two_threads)
 prepared_campaign                    noise, layout, window lengths, priors: what fits begin with
-start, period, baseline              a start from the data, a schedule of window lengths
+start, period, schedule, sharpen     a start from the data, the schedule of all fits: growing
+                                     windows, sharper friction (slow_contact)
 weak_form                            a better start: no derivatives of the data (modulating,
                                      compensated)
 priors, fitted                       what is known beforehand; where a fit ended
@@ -18,7 +19,7 @@ blocks, intervals, noise_levels      scatter of blocks, intervals, noise by chan
 free_runs                            the paper's objective (17), of many sets of numbers at once
 simplex, nelder_mead                 the paper's method, for optimistix, from one simplex or many;
                                      free_run_search: on (17)
-starts, schedule, multistart         from where, over which horizons, who met whom (optima, outcome)
+starts, multistart                   from where, who met whom (optima, outcome)
 success, checkpoint, kept_fits       how often it works and what it costs; going on after Ctrl-C
 assemble                             a pendulum from the numbers of a fit
 methods, identify, identification    all of it for a user

@@ -6,7 +6,7 @@ from tp_jax.errors import InputError
 from tp_jax.estimation import optimistix_methods, variable_projection
 from tp_jax.estimation.optimistix_methods import SOLVER_KINDS, Solver
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
-from tp_jax.estimation.schedule import Method, Objective, problem_of, rungs
+from tp_jax.estimation.schedule import PATIENCE, Method, Objective, problem_of, rungs
 
 LEAST_SQUARES, NELDER_MEAD = "least-squares", "nelder-mead"
 METHODS = (LEAST_SQUARES, NELDER_MEAD, *optimistix_methods.SOLVERS)
@@ -29,7 +29,7 @@ def fitter(name: str | Solver, setting: PreparedCampaign, objective: Objective) 
         setting: what is fitted. objective: what is minimised.
     """
     if name in (LEAST_SQUARES, NELDER_MEAD):
-        return functools.partial(variable_projection.fit, kinks=True)
+        return functools.partial(variable_projection.fit, kinks=True, max_iterations=PATIENCE)
     solver = optimistix_methods.SOLVERS[name] if isinstance(name, str) else name
     blocks = max(len(problem_of(setting, r).blocks()) for r in rungs(setting, objective))
     known = isinstance(name, str)

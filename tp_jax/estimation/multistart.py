@@ -80,7 +80,7 @@ def search(
 
     Args:
         starts: where to begin.
-        ladder: the horizons of the campaign, and the method that fits at each.
+        schedule: the horizons of the campaign, and the method that fits at each.
         checkpoint: what is done already, and where to keep what will be.
         progress: called with a stage's name and the part of it that is done.
 

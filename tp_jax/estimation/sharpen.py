@@ -15,15 +15,13 @@ import logging
 
 import numpy as np
 
-from tp_jax.estimation.baseline import PATIENCE
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
+from tp_jax.estimation.schedule import FINE, FINELY, PATIENCE
 from tp_jax.estimation.variable_projection import fit
-from tp_jax.simulation.lanes import Tolerances
 
 log = logging.getLogger(__name__)
 
-FINELY = Tolerances(angle=1e-7, friction=0.1)
 WORSE = 10.0  # of the sum of squares, in the misfit's unit: more is a kink and not the friction
 
 
@@ -56,7 +54,7 @@ def fit_with_sharp_friction(
         bounds=setting.bounds if bounds is None else bounds,
         priors=before.priors,
         max_iterations=max_iterations,
-        relative=1e-7,
+        relative=FINE,
     )
     log.info("eps %.3g: chi2/dof %.5g, was %.5g", eps, after.chi2_dof, before.chi2_dof)
     return after if after.cost < before.cost + WORSE * max(before.chi2_dof, 1.0) else before

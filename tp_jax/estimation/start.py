@@ -6,7 +6,7 @@ without the contact,
     B1 a1 + B2 (a1 + a2) + k phi1 - k f + c1 v1 + M1 sgn v1 = 0,
 
 and (16b) alone gives the contact's parameters for any T0. Both are solved by bounded linear least
-squares, so that nobody needs to guess.
+squares, so that nobody needs to guess. `initial_values` adds all that is given or has a default.
 """
 
 from collections.abc import Sequence
@@ -14,12 +14,53 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from tp_jax.estimation.layout import Values
+from tp_jax.estimation.prepared_campaign import PreparedCampaign, is_sine
+from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
 from tp_jax.recordings import Recording
 from tp_jax.recordings.gaps import stretches
 from tp_jax.recordings.smooth import local_polynomial
 
 ORDER = 3  # of the smoothing polynomials
 T0_GRID = np.geomspace(0.5, 50.0, 9)
+
+
+def initial_values(setting: PreparedCampaign) -> Values:
+    """All numbers before any fit: the data's own start, and what is given."""
+    campaign = setting.campaign
+    B1 = setting.fixed["B1"]
+    fitted = [setting.recordings[i] for i in setting.fitted]
+    given = {n: v for n, v in setting.fixed.items() if n in ("B2", "k")}
+    sigma = {"phi1": setting.sigma[0], "phi2": setting.sigma[1]}
+    start = start_from_data(fitted, sigma, setting.widths[setting.fitted], B1, given)
+    if setting.model == "paper":  # the printed model with all of the column's numbers doubled
+        for name in ("B2", "Tv", "Ts1", "Tst"):
+            if name in start and name not in given:
+                start[name] *= 0.5
+    middle, rate = (list(each) for each in zip(*(r.drift for r in setting.recordings), strict=True))
+    clocks = [r.start for r in setting.recordings]
+    if all(c is not None for c in clocks):  # drifts run on the campaign's clock
+        begin = min(c + r.t[0] for c, r in zip(clocks, setting.recordings, strict=True))
+        end = max(c + r.t[-1] for c, r in zip(clocks, setting.recordings, strict=True))
+        middle = [0.5 * (begin + end) - c for c in clocks]
+        rate = [1.0 / (end - begin)] * len(clocks)
+    paper = setting.model == "paper"
+    values: dict[str, object] = {
+        "B1": B1,
+        "B2": B1,
+        "k": B1,
+        "T0": 1.0,
+        "eps1": setting.eps,
+        "eps2": setting.eps,
+        "reaction": PRINTED_REACTION if paper else NEWTON_REACTION,
+        "omega": [r.omega if is_sine(r) else 0.0 for r in setting.recordings],
+        "running": [float(is_sine(r)) for r in setting.recordings],
+        "metered": [float(r.measured_drive) for r in setting.recordings],
+        "drift_middle": middle,
+        "drift_rate": rate,
+    }
+    out = Values.build(setting.layout, len(campaign.recordings), {**values, **start})
+    return out.replace(setting.fixed)
 
 
 def start_from_data(
@@ -50,8 +91,8 @@ def start_from_data(
         row["v2"], row["a2"] = (
             (np.zeros(n), np.zeros(n)) if two is None else (two.first, two.second)
         )
-        row["sin"] = np.sin(r.omega * r.t) if _sine(r) else np.zeros(n)
-        row["cos"] = np.cos(r.omega * r.t) if _sine(r) else np.zeros(n)
+        row["sin"] = np.sin(r.omega * r.t) if is_sine(r) else np.zeros(n)
+        row["cos"] = np.cos(r.omega * r.t) if is_sine(r) else np.zeros(n)
         row["reading"] = np.zeros(n) if r.drive is None else r.drive
         rows.append({k: v[inner] for k, v in row.items()})
     d = {k: np.concatenate([row[k] for row in rows]) for k in rows[0]}
@@ -73,16 +114,12 @@ def _inner(t: np.ndarray, width: int) -> np.ndarray:
     return inner
 
 
-def _sine(r: Recording) -> bool:
-    return r.forced and r.omega is not None and r.drive is None
-
-
 def _column(d, B1, given, recordings) -> dict[str, float]:
     rider = recordings[0].phi2 is not None
     terms = {"k": d["y"], "c1": d["v"], "M1": np.sign(d["v"]) * (np.abs(d["v"]) > 0.05)}
     if rider:
         terms["B2"] = d["a"] + d["a2"]
-    if any(_sine(r) for r in recordings):
+    if any(is_sine(r) for r in recordings):
         terms |= {"ks": -d["sin"], "kc": -d["cos"]}
     if any(r.drive is not None for r in recordings):
         terms |= {"kg": -d["reading"]}

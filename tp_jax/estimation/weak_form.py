@@ -15,11 +15,11 @@ import functools
 
 import numpy as np
 
-from tp_jax.estimation.baseline import initial_values
 from tp_jax.estimation.compensated import Rows
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.modulating import Bump, bumps
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
+from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.windows import Prepared
 from tp_jax.model.pendulum import NEWTON_REACTION, PRINTED_REACTION
 from tp_jax.recordings import Recording

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.problem import Problem
@@ -203,3 +204,19 @@ def steps_along_kinks(lin: Linearisation, beyond: np.ndarray) -> tuple[np.ndarra
     share = np.clip(share, 0.0, 1.0)[:, None]
     mean, step = g - share * (g - beyond), there - share * back
     return -step, np.einsum("wi,wi->w", mean, step)
+
+
+def warm_start_states(before: Fit, problem: Problem) -> np.ndarray:
+    """Window states for a new cut, read off the trajectories of the last one."""
+    states = problem.initial_states(before.values)
+    old, new = before.problem.windows, problem.windows
+    for i in range(new.n):
+        same = np.flatnonzero(
+            (old.recording == new.recording[i])
+            & (old.first <= new.first[i])
+            & (new.first[i] < old.first + old.count)
+        )
+        if same.size:
+            j = same[0]
+            states[i] = before.linearisation.states[j, new.first[i] - old.first[j], :4]
+    return states

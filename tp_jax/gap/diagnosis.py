@@ -12,9 +12,10 @@ from tp_jax._blas import one_blas_thread
 from tp_jax._files import plain
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
 from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
 from tp_jax.gap.applicability import check_known, check_predictable
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import Choice

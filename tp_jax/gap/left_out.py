@@ -12,14 +12,13 @@ from collections.abc import Collection
 
 import numpy as np
 
-from tp_jax.estimation.baseline import warm_start_states
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import room
 from tp_jax.estimation.variable_projection import fit
-from tp_jax.estimation.window_states import of_windows
+from tp_jax.estimation.window_states import of_windows, warm_start_states
 from tp_jax.estimation.windows import cut
 from tp_jax.gap.crossvalidation import moves
 from tp_jax.gap.held_out import expected_elsewhere

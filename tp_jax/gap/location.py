@@ -4,12 +4,12 @@ import numpy as np
 
 from tp_jax.effects import CHANNELS
 from tp_jax.effects import get as get_effect
-from tp_jax.estimation.baseline import few_of
 from tp_jax.estimation.blocks import blocks_of
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.linearisation import Linearisation, spread
 from tp_jax.estimation.parts import some_of
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
+from tp_jax.estimation.schedule import few_of
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_torques import free_columns
 from tp_jax.gap.policy import POLICY

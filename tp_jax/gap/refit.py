@@ -7,7 +7,6 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from tp_jax.effects import Effect
-from tp_jax.estimation.baseline import warm_start_states
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.normal_equations import efficient_inverse
@@ -16,6 +15,7 @@ from tp_jax.estimation.priors import GaussianPrior
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.variable_projection import fit
+from tp_jax.estimation.window_states import warm_start_states
 from tp_jax.gap.directions import Variant, variants
 from tp_jax.gap.screen import WIDE
 

@@ -27,7 +27,7 @@ from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.normal_equations import covariance_of
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.priors import GaussianPrior
-from tp_jax.estimation.sharpen import FINELY
+from tp_jax.estimation.schedule import FINELY
 from tp_jax.identifiability.copies import TOLERANCE, Fitted, Start, fit_copies
 from tp_jax.model.parameters import Parameter
 

@@ -10,11 +10,12 @@ import numpy as np
 from tp_jax._blas import one_blas_thread
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.baseline import fit_over_schedule, initial_values
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import intervals
 from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
+from tp_jax.estimation.start import initial_values
 from tp_jax.identifiability.design import UNKNOWNS, Design, designs_of
 from tp_jax.identifiability.information import information
 from tp_jax.identifiability.null_directions import Direction

@@ -8,8 +8,10 @@ import pytest
 from tests.reference import BENCH
 from tests.rigs import lossy, synthetic_campaign
 from tp_jax.estimation import variable_projection
-from tp_jax.estimation.baseline import _slower, few_of, fit_over_schedule, initial_values
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import few_of, fit_over_schedule
+from tp_jax.estimation.slow_contact import with_slow_contact
+from tp_jax.estimation.start import initial_values
 from tp_jax.recordings import Campaign, Recording, load_campaign
 from tp_jax.rig import make_campaign
 from trials.draw import draw_rig
@@ -47,7 +49,7 @@ def test_a_contact_that_rises_too_fast_is_sought_at_the_speeds_that_are_met(sett
         fit.problem, lost, fit.unknowns, fit.states, **{**how, "max_iterations": 0}
     )
     assert stuck.cost > fit.cost + 10.0
-    found = _slower(setting, stuck, how)
+    found = with_slow_contact(setting, stuck, variable_projection.fit, how)
     assert found.cost < fit.cost + 1.0
     assert found.values.get("T0") == pytest.approx(fit.values.get("T0"), rel=0.2)
 
