@@ -14,6 +14,7 @@ from typing import Any
 
 from scripts import _markdown as markdown
 from scripts._ledger import entries, extended
+from scripts._version import computed
 from tp_jax.cli.arguments import add_executor, positive
 from tp_jax.errors import InputError
 
@@ -56,7 +57,8 @@ class Row:
     Attributes:
         number: in the pool. seed: of all chance in it.
         rigs, kind: as in a trial: clean or rough; one, two, none, outside or cousin.
-        version: digest of the package that diagnosed it. commit: in which that stands, if any.
+        version: digest of what the package computes that diagnosed it (see `_version`).
+        commit: in which that package stands, if any.
         hidden: id -> sizes, and the multiple of the detectable size by the rig's own scale.
         detectable: times that the hidden size is the one that the diagnosis calls detectable.
         verdict, causes: of the diagnosis.
@@ -208,8 +210,7 @@ def _grown(args: argparse.Namespace, ledger: Path, look: Callable[..., Row]) -> 
 
 
 def _version() -> tuple[str, str | None]:
-    """Digest of the package, and the commit if the package is as it has it."""
-    from tp_jax._stored import source_digest
+    """Digest of what a diagnosis computes, and the commit if the package is as it has it."""
 
     def git(*words: str) -> str:
         asked = subprocess.run(("git", "-C", ROOT, *words), capture_output=True, text=True)
@@ -220,7 +221,7 @@ def _version() -> tuple[str, str | None]:
         commit = git("rev-parse", f"--short={VERSION}", "HEAD") if clean else None
     except OSError:  # no git here
         commit = None
-    return source_digest()[:VERSION], commit
+    return computed()[:VERSION], commit
 
 
 def seed_of(name: str) -> int:
@@ -230,7 +231,6 @@ def seed_of(name: str) -> int:
 
 def look(rigs: str, number: int, name: str, commit: str | None, version: str) -> Row:
     """One rig: made, diagnosed as if nobody knew it, and asked on its sealed runs."""
-    from tp_jax._stored import source_digest
     from trials.case import Settings, make_case
     from trials.growing import rig
     from trials.rough import RoughSettings
@@ -243,7 +243,7 @@ def look(rigs: str, number: int, name: str, commit: str | None, version: str) ->
     begin = time.process_time()
     diagnosis, sealed = diagnosed(root, entry)
     spent = round(time.process_time() - begin, 1)
-    if source_digest()[:VERSION] != version:
+    if computed()[:VERSION] != version:
         raise InputError("The package changed while it was tried; the same call tries it anew.")
     shutil.rmtree(root)
     return row_of(entry, diagnosis, sealed, number, case.seed, rigs, commit, version, spent)

@@ -146,7 +146,7 @@ def test_the_rigs_of_a_pool_are_an_endless_fair_row():
 def test_a_rig_is_made_diagnosed_and_forgotten(tmp_path, monkeypatch):
     """Of the real thing all but the fits."""
     import scripts._blind.run as run
-    from tp_jax._stored import source_digest
+    from scripts._version import computed
     from trials import harm, sealed_runs
     from trials.seal import diagnosis_file
     from trials.written import sha256
@@ -161,6 +161,6 @@ def test_a_rig_is_made_diagnosed_and_forgotten(tmp_path, monkeypatch):
     monkeypatch.setattr(run, "diagnose_case", quiet)
     monkeypatch.setattr(sealed_runs, "measured", lambda *_: {"shrink": None, "best": None})
     monkeypatch.setattr(harm, "measured_harm", lambda *_: harm.NOTHING)
-    row = pool.look("clean", 1, "demo", None, source_digest()[: pool.VERSION])
+    row = pool.look("clean", 1, "demo", None, computed()[: pool.VERSION])
     assert (row.number, row.verdict, row.causes) == (1, "no_gap", [])
     assert not list((tmp_path / "demo").iterdir())

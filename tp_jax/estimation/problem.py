@@ -417,5 +417,6 @@ class Problem:
             kinds = [self.prepared[r].colour[c] for r in self.windows.recording]
             for kind in {k for k in kinds if not k.is_white}:
                 mine = np.array([k == kind for k in kinds])
-                white = kind.whiten(columns[mine, c : 2 * n : 2], axis=1)
-                columns[mine, c : 2 * n : 2] = white * rows[mine, :, None]
+                which = slice(None) if mine.all() else mine  # a slice copies nothing
+                white = kind.whiten(columns[which, c : 2 * n : 2], axis=1)
+                columns[which, c : 2 * n : 2] = white * rows[which, :, None]

@@ -97,10 +97,15 @@ def problem_of(setting: PreparedCampaign, rung: Rung) -> Problem:
     problem = setting.problem(rung.horizon)
     if rung.tolerances is not None:
         problem = problem.at(rung.tolerances)
+    return problem if rung.most is None else thinned(problem, rung.most)
+
+
+def thinned(problem: Problem, most: int = MOST_WINDOWS) -> Problem:
+    """The problem of at most so many of its windows, spread over all recordings."""
     n = problem.windows.n
-    if rung.most is None or n <= rung.most:
+    if n <= most:
         return problem
-    return of_windows(problem, in_turn(problem.windows, few_of(n, rung.most)))
+    return of_windows(problem, in_turn(problem.windows, few_of(n, most)))
 
 
 def few_of(count: int, most: int = MOST_WINDOWS) -> np.ndarray:

@@ -13,6 +13,7 @@ from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.priors import GaussianPrior
 from tp_jax.estimation.problem import Problem
+from tp_jax.estimation.schedule import thinned
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.window_states import warm_start_states
@@ -218,7 +219,7 @@ def refit_from_short_windows(
     A wrong model pushes its parameters into a corner, and over long windows there may be no way
     downhill from there to where they belong once the effect is in; nor is a shape constant that
     looks best from that corner the right one. Over short windows there is a way, so the shape's
-    whole grid is tried there.
+    whole grid is tried there. Some of these windows say as well which way it is (see `schedule`).
 
     Args:
         setting: the campaign.
@@ -241,7 +242,8 @@ def refit_from_short_windows(
     start = start.replace(_inside(before.problem, stuck))
     best: Fit | None = None
     chosen = last
-    problem = setting.problem(horizons[0])
+    coarse = _coarse(before)
+    problem = thinned(setting.problem(horizons[0]))
     for variant in variants(last.effect, setting):
         found = fit(
             problem,
@@ -250,7 +252,7 @@ def refit_from_short_windows(
             bounds=bounds,
             priors=trial.fit.priors,
             max_iterations=max_iterations // 2,
-            tolerance=10.0 * _coarse(before),
+            tolerance=10.0 * coarse * _share(problem, before),
             relative=0.0,
         )
         if best is None or found.cost < best.cost:
@@ -258,6 +260,8 @@ def refit_from_short_windows(
     assert best is not None
     for horizon in horizons:
         problem = setting.problem(horizon)
+        if horizon != target:
+            problem = thinned(problem)
         best = fit(
             problem,
             best.values,
@@ -266,7 +270,7 @@ def refit_from_short_windows(
             bounds=bounds,
             priors=trial.fit.priors,
             max_iterations=max_iterations,
-            tolerance=_coarse(before),
+            tolerance=coarse * _share(problem, before),
             relative=0.0,
         )
     log.info(
@@ -278,6 +282,11 @@ def refit_from_short_windows(
     )
     better = np.isfinite(best.cost) and best.cost < trial.cost
     return Refit(best, (*others, chosen)) if better else trial
+
+
+def _share(problem: Problem, before: Fit) -> float:
+    """Part of a fit's samples that a problem has."""
+    return min(float(problem.windows.count.sum() / before.problem.windows.count.sum()), 1.0)
 
 
 def _inside(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:

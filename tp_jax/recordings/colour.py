@@ -27,6 +27,9 @@ by next to nothing."""
 HEAD = (8, 256)
 """Samples whitened by their own covariance before a window's filter has settled, least and most."""
 
+TOGETHER = 32
+"""Rows that are whitened at once; a few more or less cost the same."""
+
 SETTLED = 1e-6
 """Relative error of a window's innovation variance at which the filter counts as settled."""
 
@@ -112,23 +115,23 @@ class Colour:
         theta, innovation = _innovations(self.neighbours, self.rho)
         head = _head(self.neighbours, self.rho)
         x = np.moveaxis(x, axis, 0)
-        k = min(len(head), len(x))
-        first = np.tensordot(head[:k, :k], x[:k], axes=1)
-        if k == len(x):
-            return np.moveaxis(first, 0, axis)
-        taps = np.array([1.0, -self.rho]) / innovation
-        rest = taps[0] * x[k:] + taps[1] * x[k - 1 : -1]
+        rows = np.ascontiguousarray(x).reshape(len(x), -1)
+        out = np.empty(rows.shape)
+        k = min(len(head), len(rows))
+        out[:k] = head[:k, :k] @ rows[:k]
+        rest = out[k:]
+        np.multiply(rows[k - 1 : -1], -self.rho, out=rest)
+        rest += rows[k:]
+        rest /= innovation
         if theta:
-            # here, so that recording does not wait for it; scipy.signal's filter takes a second to
-            # load
-            from scipy.linalg import lapack
-
-            rest[0] -= theta * first[-1]
-            band = np.ones((2, len(rest)))  # what is left is x_n + theta x_(n-1), lower triangular
-            band[1] = theta
-            solved, _ = lapack.dtbtrs(band, rest.reshape(len(rest), -1), uplo="L")  # pyright: ignore[reportAttributeAccessIssue]
-            rest = solved.reshape(rest.shape)
-        return np.moveaxis(np.concatenate([first, rest]), 0, axis)
+            # e_t + theta e_(t-1) = x_t - rho x_(t-1), some rows at a time: one by one takes as many
+            # calls as there are rows, all at once a matrix of as many rows squared.
+            memory = _memory(theta)
+            for begin in range(0, len(rest), TOGETHER):
+                part = rest[begin : begin + TOGETHER]
+                part[0] -= theta * out[k + begin - 1]
+                part[:] = memory[: len(part), : len(part)] @ part
+        return np.moveaxis(out.reshape(x.shape), 0, axis)
 
     def innovations(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Weights (n,) of the recursion whose rows are those of `whiten`.
@@ -182,6 +185,13 @@ def _innovations(c: float, rho: float) -> tuple[float, float]:
     q = lag / variance
     theta = (1.0 - np.sqrt(max(1.0 - 4.0 * q**2, 0.0))) / (2.0 * q)
     return float(theta), float(np.sqrt(lag / theta))
+
+
+def _memory(theta: float) -> np.ndarray:
+    """Lower triangular matrix that takes a moving average out of some consecutive rows."""
+    at = np.arange(TOGETHER)
+    back = np.maximum(at[:, None] - at, 0)
+    return np.tril((-theta) ** back)
 
 
 @functools.lru_cache(maxsize=64)

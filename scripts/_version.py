@@ -1,0 +1,64 @@
+"""Digest of all that a diagnosis computes: trials of one digest are of one program.
+
+A comment, a docstring, the type of an argument, a page or a command change no verdict. A trial of
+hundreds of rigs takes days, and would begin anew for each of them if every byte of the package
+counted.
+"""
+
+import ast
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+PACKAGE = Path(__file__).parent.parent / "tp_jax"
+
+APART = (
+    "acquisition",
+    "checks",
+    "cli",
+    "examples",
+    "executors",
+    "exploring",
+    "report",
+    "sensitivity_analysis",
+    "serve",
+)
+"""Rooms in which no number of a diagnosis, nor of a rig it is tried on, is made."""
+
+
+def computed(package: Path = PACKAGE) -> str:
+    """Digest of what a diagnosis computes: the bare code of the package's other rooms."""
+    digest = hashlib.sha256()
+    for file in files(package):
+        name = file.relative_to(package).as_posix()
+        code = ast.dump(_bare(ast.parse(file.read_text(encoding="utf-8"))))
+        digest.update(f"{name}\0{code}\0".encode())
+    return digest.hexdigest()
+
+
+def files(package: Path = PACKAGE) -> Iterator[Path]:
+    """Those files, in the order of their names."""
+    for file in sorted(package.rglob("*.py")):
+        if file.relative_to(package).parts[0] not in APART:
+            yield file
+
+
+def _bare(tree: ast.Module) -> ast.Module:
+    """The same code without docstrings, strings that describe an attribute, and types of
+    arguments."""
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            node.returns = None
+        if isinstance(node, ast.arg):
+            node.annotation = None
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+            node.body = [line for line in node.body if not _is_text(line)] or [ast.Pass()]
+    return tree
+
+
+def _is_text(line: ast.stmt) -> bool:
+    return (
+        isinstance(line, ast.Expr)
+        and isinstance(line.value, ast.Constant)
+        and isinstance(line.value.value, str)
+    )
