@@ -56,7 +56,7 @@ ALLOWED: dict[str, set[str]] = {
 }
 for each in ("gap", "sensitivity_analysis"):
     ALLOWED[each] = {"_blas", "identifiability", "estimation", *ALLOWED["identifiability"]}
-ALLOWED["gap"] |= {"report", "results"}
+    ALLOWED[each] |= {"report", "results"}
 ALLOWED["cli"] = {"root", *ALLOWED}
 ALLOWED["__main__"] = {"cli"}
 ALLOWED["root"] = {*ALLOWED} - {"cli", "__main__"}

@@ -10,6 +10,7 @@ from tests.sensitivity_analysis.conftest import SMALL
 from tp_jax.cli.output import json_text
 from tp_jax.errors import InputError
 from tp_jax.identifiability.design import UNKNOWNS
+from tp_jax.results.sensitivity import SensitivityRecord
 from tp_jax.sensitivity_analysis.analysis import sensitivity
 
 KEYS = {
@@ -40,6 +41,18 @@ def test_form(result):
         assert len(result[part]["recordings"]) == 3
         for r in result[part]["recordings"]:
             assert {"recording", "t", "phi1", "phi2"} <= set(r)
+
+
+def test_what_is_written_is_read_again(analysis, result):
+    again = SensitivityRecord.read(result)
+    assert json.loads(json_text(again.to_dict())) == result
+    assert again.identifiable == analysis.identifiable
+    assert (
+        again.sobol.recordings[0].channels["phi2"].total["k"]
+        == result["sobol"]["recordings"][0]["phi2"]["ST"]["k"]
+    )
+    assert analysis.quality.chi2_dof == analysis.fit.chi2_dof
+    assert "rank 9 of 11, not told: " in repr(analysis)
 
 
 def test_what_can_be_known(result):

@@ -126,7 +126,7 @@ def run(args: argparse.Namespace) -> None:
             from tp_jax.report.sensitivity import write_figures
 
             progress("drawing", None)
-            written = write_figures(result, args.out)
+            written = write_figures(found, args.out)
     if args.json is not None:
         write_json(args.json, result)
     if args.json != "-" and not args.quiet:

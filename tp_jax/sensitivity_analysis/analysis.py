@@ -3,7 +3,7 @@
 import dataclasses
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
@@ -24,41 +24,52 @@ from tp_jax.identifiability.rank import POINTS, rank
 from tp_jax.model.parameters import BY_NAME
 from tp_jax.model.plausible import MOST_SPREAD, check_names, check_values
 from tp_jax.recordings import Campaign
+from tp_jax.report.sensitivity import write_figures
+from tp_jax.results.identification import Warned
+from tp_jax.results.sensitivity import (
+    VERSION,
+    EstimateCorrelation,
+    FitQuality,
+    KnownParameter,
+    SensitivityProvenance,
+    SensitivityRecord,
+)
 from tp_jax.sensitivity_analysis import record
-from tp_jax.sensitivity_analysis.local import local
+from tp_jax.sensitivity_analysis.local import Local, local
 from tp_jax.sensitivity_analysis.morris import TRAJECTORIES, morris
 from tp_jax.sensitivity_analysis.ranges import SPREAD, ranges
 from tp_jax.sensitivity_analysis.sobol import SAMPLES, sobol
 from tp_jax.sensitivity_analysis.summary import summary
 
-SCHEMA = "tp-jax/sensitivity/1"
-
 Progress = Callable[[str, float | None], None]
 
 
-@dataclasses.dataclass(frozen=True)
-class SensitivityAnalysis:
-    """Result of `sensitivity`; `to_dict` gives it as plain numbers.
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SensitivityAnalysis(SensitivityRecord):
+    """Result of `sensitivity`; `to_dict` gives it as plain numbers, schema tp-jax/sensitivity/1.
 
-    result: schema tp-jax/sensitivity/1; fit: the point at which it was taken; profiles: likelihood
-    profiles of the parameters for which they were asked for.
+    fit: the point at which it was taken. profiles: likelihood profiles, of the parameters for
+    which they were asked for. Neither is in `to_dict`.
     """
 
-    result: dict[str, Any]
-    fit: Fit
-    profiles: tuple[Profile, ...]
+    fit: Fit = dataclasses.field(compare=False, metadata={"key": None})
+    profiles: tuple[Profile, ...] = dataclasses.field(
+        default=(), compare=False, metadata={"key": None}
+    )
 
     def __repr__(self) -> str:
-        profiles = f", {len(self.profiles)} profiles" if self.profiles else ""
-        return f"SensitivityAnalysis({', '.join(self.result)}{profiles})"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema tp-jax/sensitivity/1."""
-        return self.result
+        rank = f"rank {self.structural.rank} of {self.structural.of}"
+        unknown = [name for name, told in self.identifiable.items() if not told]
+        not_told = f", not told: {', '.join(unknown)}" if unknown else ""
+        return f"SensitivityAnalysis({self.campaign!r}: {rank}{not_told})"
 
     def summary(self) -> str:
         """A table for a terminal."""
-        return summary(self.result)
+        return summary(self)
+
+    def write_figures(self, folder: str | Path) -> list[Path]:
+        """Draws all figures as PNG; see `tp_jax.report.sensitivity.write_figures`."""
+        return write_figures(self, folder)
 
 
 @one_blas_thread()
@@ -131,37 +142,40 @@ def sensitivity(
         variances.append(sobol(d, values, over, samples=samples, seed=seed))
         effects.append(morris(d, values, over, trajectories=trajectories, seed=seed))
     parameters = _parameters(fit, setting, names, structural, given)
-    result = {
-        "schema": SCHEMA,
-        "campaign": campaign.name,
-        "model": model,
-        "identifiable": {n: p["identifiable"] for n, p in parameters.items()},
-        "parameters": parameters,
-        "null_directions": [d.to_dict() for d in (*structural, *known.directions)],
-        "structural": record.structural(structure),
-        "correlation": {"parameters": list(known.names), "matrix": known.correlation.tolist()},
-        "local": record.local_record(through_time, scale),
-        "sobol": record.sobol_record(variances, over, samples),
-        "morris": record.morris_record(effects, over, trajectories),
-        "profile": {p.name: p.to_dict() for p in found},
-        "fit": {
-            "chi2_dof": fit.chi2_dof,
-            "converged": fit.converged,
-            "message": fit.message,
-            "noise_floor": dict(setting.noise),
-        },
-        "warnings": _warnings(fit, structural, through_time),
-        "provenance": {
-            "version": __version__,
-            "seed": seed,
-            "data_sha256": campaign.data_sha256,
-            "eps": fit.values.get("eps2"),
-            "horizon_s": fit.problem.windows.horizon,
-            "spread": spread,
-            "wall_s": round(time.perf_counter() - begin, 2),
-        },
-    }
-    return SensitivityAnalysis(result, fit, found)
+    directions = (*structural, *known.directions)
+    matrix = tuple(tuple(row) for row in known.correlation.tolist())
+    return SensitivityAnalysis(
+        schema=VERSION,
+        campaign=campaign.name,
+        model=model,
+        identifiable={n: p.identifiable for n, p in parameters.items()},
+        parameters=parameters,
+        null_directions=tuple(record.null_direction(d) for d in directions),
+        structural=record.structural_rank(structure),
+        correlation=EstimateCorrelation(names=tuple(known.names), matrix=matrix),
+        local=record.local_sensitivity(through_time, scale),
+        sobol=record.sobol_indices(variances, over, samples),
+        morris=record.morris_effects(effects, over, trajectories),
+        profile={p.name: record.profile_record(p) for p in found},
+        quality=FitQuality(
+            chi2_dof=fit.chi2_dof,
+            converged=fit.converged,
+            message=fit.message,
+            noise_floor=dict(setting.noise),
+        ),
+        warnings=tuple(_warnings(fit, structural, through_time)),
+        provenance=SensitivityProvenance(
+            version=__version__,
+            seed=seed,
+            data_sha256=campaign.data_sha256,
+            eps=fit.values.get("eps2"),
+            horizon_s=fit.problem.windows.horizon,
+            spread=spread,
+            wall_s=round(time.perf_counter() - begin, 2),
+        ),
+        fit=fit,
+        profiles=found,
+    )
 
 
 def _check(
@@ -238,7 +252,7 @@ def _parameters(
     names: Sequence[str],
     structural: Sequence[Direction],
     given: Mapping[str, str],
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, KnownParameter]:
     found = intervals(fit, setting)
     free = {n for d in structural if d.removed_by is None for n in d.coefficients}
     # Without B1 the scale is free: it is B1's lack, the others are known relative to it.
@@ -249,39 +263,39 @@ def _parameters(
         entry = found.get(n)
         held = n in given
         practical = held or (entry is not None and bool(entry["identifiable"]))
-        out[n] = {
-            "value": fit.values.get(n),
-            "unit": BY_NAME[n].unit,
-            "ci95": None if entry is None else entry["ci95"],
-            "standard_error": None if entry is None else entry["standard_error"],
-            "given": held,
-            "structural": n not in free,
-            "practical": practical,
-            "identifiable": n not in free and practical,
-        }
+        out[n] = KnownParameter(
+            value=fit.values.get(n),
+            unit=BY_NAME[n].unit,
+            ci95=None if entry is None else tuple(entry["ci95"]),
+            standard_error=None if entry is None else entry["standard_error"],
+            given=held,
+            structural=n not in free,
+            practical=practical,
+            identifiable=n not in free and practical,
+        )
     return out
 
 
-def _warnings(fit: Fit, structural: Sequence[Direction], runs: Sequence) -> list[dict[str, Any]]:
+def _warnings(fit: Fit, structural: Sequence[Direction], runs: Sequence[Local]) -> list[Warned]:
     out = []
     for d in structural:
         if d.removed_by is None:
             code = "unidentifiable" if len(d.coefficients) == 1 else "free_scale"
             text = f"No recording of these angles tells {d.text}."
-            out.append({"code": code, "parameters": list(d.coefficients), "text": text})
+            out.append(Warned(code=code, parameters=tuple(d.coefficients), text=text))
     if fit.chi2_dof > 1.2:
         text = (
             f"The misfit is {fit.chi2_dof:.3g} times the noise: what is said here holds for the "
             "model, not yet for the rig; run `tp-jax diagnose`."
         )
-        out.append({"code": "misfit", "parameters": [], "text": text})
+        out.append(Warned(code="misfit", parameters=(), text=text))
     if not fit.converged:
-        out.append({"code": "not_converged", "parameters": [], "text": fit.message})
+        out.append(Warned(code="not_converged", parameters=(), text=fit.message))
     doubtful = [r.label for r in runs if not r.reliable.all()]
     if doubtful:
         text = (
             f"Derivatives along the whole of {', '.join(doubtful)} are in doubt: the run grazes a "
             "reversal or cannot be predicted so far ahead."
         )
-        out.append({"code": "doubtful_derivatives", "parameters": [], "text": text})
+        out.append(Warned(code="doubtful_derivatives", parameters=(), text=text))
     return out

@@ -1,6 +1,6 @@
 """Figures of a sensitivity analysis, one per file; `files.write` puts all of them in a folder.
 
-Each `draw` takes the analysis as in its JSON (tp-jax/sensitivity/1) and returns a matplotlib
+Each `draw` takes the result of `tp_jax.sensitivity` and returns a matplotlib
 `Figure` that belongs to no window, or None where there is nothing to draw.
 """
 

@@ -1,7 +1,6 @@
 """Correlations of the estimates: pairs near 1 or -1 are known only together."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,15 +9,17 @@ from tp_jax.report import style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from tp_jax.results.sensitivity import SensitivityRecord
+
 TOLD = 0.3  # sizes from which on a number stands in its cell
 
 
-def draw(analysis: Mapping[str, Any]) -> "Figure | None":
+def draw(analysis: "SensitivityRecord") -> "Figure | None":
     """The matrix, from vermillion (-1) over white to blue (1)."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    names = analysis["correlation"]["parameters"]
-    matrix = np.array(analysis["correlation"]["matrix"], float)
+    names = analysis.correlation.names
+    matrix = np.array(analysis.correlation.matrix, float)
     if not names:
         return None
     map_ = LinearSegmentedColormap.from_list("signed", [style.BEFORE, "white", style.AFTER])

@@ -15,6 +15,7 @@ from tp_jax.report.sensitivity import (
     sobol_through_time,
     through_time,
 )
+from tp_jax.results.sensitivity import SensitivityRecord
 
 FIGURES = {
     "local-through-time": through_time.draw,
@@ -27,11 +28,13 @@ FIGURES = {
 }
 
 
-def write_figures(analysis: Mapping[str, Any], folder: str | Path) -> list[Path]:
+def write_figures(
+    analysis: SensitivityRecord | Mapping[str, Any], folder: str | Path
+) -> list[Path]:
     """Draws what there is to draw of an analysis; each file appears whole or not at all.
 
     Args:
-        analysis: schema tp-jax/sensitivity/1.
+        analysis: result of `sensitivity`, or its JSON, schema tp-jax/sensitivity/1.
         folder: made where it is missing.
 
     Returns:
@@ -39,13 +42,15 @@ def write_figures(analysis: Mapping[str, Any], folder: str | Path) -> list[Path]
 
     Raises:
         OSError: a file cannot be written.
+        TypeError: it is no such JSON.
     """
+    found = SensitivityRecord.read(analysis)
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, draw in FIGURES.items():
         target = folder / f"{name}.png"
-        figure = draw(analysis)
+        figure = draw(found)
         if figure is None:
             target.unlink(missing_ok=True)  # of an earlier analysis
             continue

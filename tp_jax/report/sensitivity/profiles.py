@@ -1,7 +1,6 @@
 """Likelihood profiles: how much worse the fit is where one parameter is held off its best."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,12 +9,14 @@ from tp_jax.report import style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from tp_jax.results.sensitivity import SensitivityRecord
+
 COLUMNS = 3
 
 
-def draw(analysis: Mapping[str, Any]) -> "Figure | None":
+def draw(analysis: "SensitivityRecord") -> "Figure | None":
     """One curve for each profile; dashed the level below which values are not rejected."""
-    found = analysis["profile"]
+    found = analysis.profile
     if not found:
         return None
     rows = -(-len(found) // COLUMNS)
@@ -23,17 +24,17 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     grid = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
     for axes, (name, p) in zip(grid, found.items(), strict=False):
         style.dress(axes)
-        x, y = np.array(p["values"], float), np.array(p["drops"], float) / p["level"]
+        x, y = np.array(p.values, float), np.array(p.drops, float) / p.level
         smooth = np.linspace(x[0], x[-1], 200)
         axes.plot(smooth, _between(x, y, smooth), color=style.AFTER, lw=1.4)
         axes.plot(x, y, ls="", marker="o", ms=3.5, color=style.AFTER, mew=0.0)
         axes.axhline(1.0, color=style.INK, lw=1.0, ls=(0, (2, 2)))
-        for end in p["ci95"]:
+        for end in p.ci95:
             if end is not None:
                 axes.axvline(end, color=style.BAND, lw=0.8)
         axes.set_ylim(-0.05, 2.0)
         axes.locator_params(axis="x", nbins=4)
-        style.title(axes, f"{name} [{p['unit']}]")
+        style.title(axes, f"{name} [{p.unit}]")
     for axes in grid[len(found) :]:
         axes.set_visible(False)
     figure.supylabel("misfit over its critical value", fontsize=style.FONT_SIZE, color=style.INK)

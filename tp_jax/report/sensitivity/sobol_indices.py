@@ -1,21 +1,22 @@
 """Total and first-order Sobol' indices of whole runs, on a scale on which nothing is nothing."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tp_jax.report import style
-from tp_jax.report.sensitivity.words import CHANNELS, channels
+from tp_jax.report.sensitivity.words import CHANNELS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from tp_jax.results.sensitivity import SensitivityRecord
+
 LEAST = 1e-5  # of the variance; what is below is drawn as nothing
 
 
-def draw(analysis: Mapping[str, Any]) -> "Figure | None":
+def draw(analysis: "SensitivityRecord") -> "Figure | None":
     """Two bars for each parameter: the largest over the recordings, a column for each channel."""
-    totals = analysis["sobol"]["ST"]
-    columns = channels(totals)
+    totals = analysis.sobol.total
+    columns = [c for c in CHANNELS if c in totals]
     if not columns:
         return None
     names = list(totals[columns[0]])
@@ -25,11 +26,11 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
         style.dress(axes, grid="x")
         axes.set_xscale("log")
         axes.set_xlim(LEAST, 2.0)
-        for key, label, offset, colour in (
-            ("ST", "total: alone and with others", -0.19, style.AFTER),
-            ("S1", "alone", 0.19, style.BAND),
+        for found, label, offset, colour in (
+            (totals, "total: alone and with others", -0.19, style.AFTER),
+            (analysis.sobol.first, "alone", 0.19, style.BAND),
         ):
-            sizes = [analysis["sobol"][key][c][n] or 0.0 for n in names]
+            sizes = [found[c][n] or 0.0 for n in names]
             axes.barh(
                 [y + offset for y in range(len(names))],
                 [max(s, LEAST) for s in sizes],

@@ -1,33 +1,34 @@
 """Importance of parameters through time: a row of light for each, from nothing to plain to see."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tp_jax.report import style
-from tp_jax.report.sensitivity.words import CHANNELS, channels, short
+from tp_jax.report.sensitivity.words import CHANNELS, short
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from tp_jax.results.sensitivity import SensitivityRecord
 
 MOST = 6
 NEIGHBOURS = 2
 LEAST = 1e-2  # noise levels for one per cent; below, a parameter is dark: nobody sees it
 
 
-def draw(analysis: Mapping[str, Any]) -> "Figure | None":
+def draw(analysis: "SensitivityRecord") -> "Figure | None":
     """A block for each recording and channel, all on one logarithmic scale."""
     from matplotlib.colors import LogNorm
 
-    recordings = analysis["local"]["recordings"][:MOST]
+    recordings = analysis.local.recordings[:MOST]
     if not recordings:
         return None
-    columns = channels(recordings[0])
-    noise = analysis["fit"]["noise_floor"]
-    names = list(recordings[0][columns[0]])
+    columns = list(recordings[0].channels)
+    noise = analysis.quality.noise_floor
+    names = list(recordings[0].channels[columns[0]])
     blocks = {
-        (i, c): _smooth(np.array([r[c][n] for n in names], float)) / 100.0 / noise[c]
+        (i, c): _smooth(np.array([r.channels[c][n] for n in names], float)) / 100.0 / noise[c]
         for i, r in enumerate(recordings)
         for c in columns
     }
@@ -38,7 +39,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
     grid = figure.subplots(len(recordings), len(columns), squeeze=False)
     image: Any = None
     for i, r in enumerate(recordings):
-        t = np.array(r["t"])
+        t = np.array(r.t)
         for c, axes in zip(columns, grid[i], strict=True):
             style.dress(axes, grid=None)
             image = axes.imshow(
@@ -51,7 +52,7 @@ def draw(analysis: Mapping[str, Any]) -> "Figure | None":
             )
             axes.set_yticks(range(len(names)), names)
             axes.tick_params(axis="y", labelsize=style.FONT_SIZE - 1.5)
-            style.title(axes, f"{short(r['recording'])}, {CHANNELS[c]}")
+            style.title(axes, f"{short(r.recording)}, {CHANNELS[c]}")
             if i + 1 < len(recordings):
                 axes.tick_params(labelbottom=False)
             else:
