@@ -22,7 +22,13 @@ from tp_jax.estimation.linearisation import Linearisation, columns
 from tp_jax.estimation.priors import GaussianPrior, prior_cost, prior_terms
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.robust import Loss, robust
-from tp_jax.estimation.window_states import KINK, MAX_STATE_STEP, settle, state_steps
+from tp_jax.estimation.window_states import (
+    KINK,
+    MAX_STATE_STEP,
+    rejoin,
+    settle,
+    state_steps,
+)
 
 log = logging.getLogger(__name__)
 
@@ -76,7 +82,7 @@ def fit(
     slots = columns(unknowns)
     x = np.clip(values.pick(unknowns), *space.limits.T)
     values = values.put(unknowns, x)
-    at: np.ndarray = problem.initial_states(values) if states is None else states
+    at: np.ndarray = problem.initial_states(values) if states is None else states.copy()
     lin = robust(problem.linearise(values, at, slots), loss)
     passes: float = 1.0
     cost: float = lin.cost() + prior_cost(priors, unknowns, space.of(x))
@@ -101,6 +107,20 @@ def fit(
         )
         states[:], passes, of_states = found.states, passes + found.passes, found.damping
 
+    def rejoined() -> bool:
+        """True if windows fit so much better from where others ended that the fit goes on."""
+        nonlocal passes, cost, joined, settled, of_states
+        if joined:
+            return False
+        gain, more = rejoin(problem, values, at, lin, slots, tolerance=SETTLED * unit, loss=loss)
+        joined, passes = True, passes + more
+        if gain < enough:
+            return False
+        cost = lin.cost() + prior_cost(priors, unknowns, space.of(x))
+        settled, of_states = True, None
+        return True
+
+    joined = False
     converged, message = False, "The iteration limit was reached."
     if not np.isfinite(cost):
         message = "The start could not be integrated."
@@ -129,6 +149,8 @@ def fit(
         else:  # what is left after settling is rounding, or a kink that a step would not see
             own, promised = np.where(gains[:, None] < KINK, own, 0.0), 0.0
         if promise + promised < enough:
+            if rejoined():
+                continue
             converged, message = True, "The next step would gain nothing."
             break
         accepted = refused = again = False
@@ -179,11 +201,16 @@ def fit(
         if again:
             continue
         if not accepted:
+            if converged and rejoined():
+                converged = False
+                continue
             break
         small = cost - new_cost < enough and damping < 1.0
         x, values, at, lin, cost = new_x, new_values, new_states, new_lin, new_cost
         settled = new_settled
         if small:
+            if rejoined():
+                continue
             converged, message = True, "The last step gained nothing."
             break
     return Fit.ended(

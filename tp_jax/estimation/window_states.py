@@ -9,11 +9,14 @@ Where the rider of a window just sticks, the window's sum of squares has a kink,
 there, with slopes on both sides that point to the other. The way further down leads along the kink:
 against the shortest mean of the slopes of both sides, which a step that was refused tells.
 
+A window in which a body comes to rest may keep a state that moves, in a minimum of its own. The
+window before it knows better: `rejoin` lets windows that fit badly begin where that one ended.
+
 Source: Wolfe (1975), Math. Program. Study 3:145; Lemarechal (1975), Math. Program. Study 3:95.
 """
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -34,6 +37,8 @@ FIRST = 1e-3
 HOPELESS = 1e2
 KINK = 1.0  # a settled window that promises to gain more than this lies in a kink
 KINK_ROUNDS = 16  # steps along kinks, of a few windows each; later ones gain next to nothing
+ODD = 2.0  # standard errors of its mean square by which a window fits worse than most
+REJOINED = 3  # rounds: where a window has moved, the next one has another start
 STATES_ALONE = 0.25  # of the time of an evaluation with all derivatives
 
 
@@ -152,6 +157,76 @@ def settle(
         passes += problem.windows.count[again].sum() / total
         put(lin, robust(full, loss), again, np.ones(again.size, dtype=bool))
     return Settled(states, lin, passes, damping)
+
+
+def rejoin(
+    problem: Problem,
+    values: Values,
+    states: np.ndarray,
+    lin: Linearisation,
+    slots: Sequence[str],
+    *,
+    tolerance: float = 0.01,
+    loss: Loss = "linear",
+) -> tuple[float, float]:
+    """Begins windows that fit badly where the window before them ended, if that fits better.
+
+    Args:
+        problem, values, slots, tolerance, loss: see `settle`.
+        states: (w, 4); changed in place, and so is `lin`, the linearisation there.
+
+    Returns:
+        By how much the sum of squares fell, and passes over the data.
+    """
+    w = problem.windows
+    before, ended = _ends_before(problem, lin)
+    gain = passes = 0.0
+    for _ in range(REJOINED):
+        cost = costs(lin)
+        mean = cost / w.count
+        odd = mean > np.median(mean) * (1.0 + ODD * np.sqrt(2.0 / w.count))
+        which = in_turn(w, np.flatnonzero(odd & (before >= 0)))
+        if not which.size:
+            break
+        part = of_windows(problem, which)
+        begun = ended(which)
+        new = robust(part.linearise(values, begun, ()), loss)
+        found = settle(part, values, begun, new, (), tolerance=tolerance, loss=loss)
+        share = part.windows.count.sum() / w.count.sum()
+        passes += share * (STATES_ALONE + found.passes)
+        better = costs(found.lin) < cost[which] - KINK
+        if not better.any():
+            break
+        moved = in_turn(w, which[better])
+        states[which[better]] = found.states[better]
+        full = of_windows(problem, moved).linearise(values, states[moved], slots)
+        passes += w.count[moved].sum() / w.count.sum()
+        put(lin, robust(full, loss), moved, np.ones(moved.size, dtype=bool))
+        gain += float((cost - costs(lin))[moved].sum())
+    return gain, passes
+
+
+def _ends_before(
+    problem: Problem, lin: Linearisation
+) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
+    """The window that ends where a window begins (w,), -1 where there is none, and a function that
+    gives the states (m, 4) in which windows begin then, a sample after those before them."""
+    w = problem.windows
+    windows = zip(w.recording, w.first, w.count, strict=True)
+    ends = {(r, f + n): i for i, (r, f, n) in enumerate(windows)}
+    before = np.array([ends.get(key, -1) for key in zip(w.recording, w.first, strict=True)])
+    step = np.zeros(w.n)
+    for i in np.flatnonzero(before >= 0):
+        t = problem.prepared[w.recording[i]].t
+        step[i] = t[w.first[i]] - t[w.first[i] - 1]
+
+    def ended(which: np.ndarray) -> np.ndarray:
+        j = before[which]
+        last = lin.states[j, w.count[j] - 1, :4].copy()
+        last[:, :2] += step[which, None] * last[:, 2:]
+        return last
+
+    return before, ended
 
 
 def put(lin: Linearisation, part: Linearisation, where: np.ndarray, which: np.ndarray) -> None:
