@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from tests.rigs import synthetic_campaign, synthetic_values
-from tp_jax.estimation import noise_levels
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.variable_projection import fit as fit_windows
 from tp_jax.gap import free_structure as module
 from tp_jax.gap.free_structure import free_structure
+from tp_jax.recordings import noise
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_a_zero_that_wanders_a_little(fitted, sensor):
 
 def test_rounding_that_goes_with_the_motion_is_not_asked(fitted, monkeypatch):
     setting, fit = fitted
-    monkeypatch.setattr(noise_levels, "quantum", lambda _: 1.0)
+    monkeypatch.setattr(noise, "quantum", lambda _: 1.0)
     found = free_structure(setting, fit)
     assert (found.p, found.source) == (1.0, "")
 

@@ -156,3 +156,19 @@ def test_recordings_of_other_rates_have_levels_of_their_own(recording):
     np.testing.assert_allclose(found, [1e-3, 0.5e-3, 1e-3, 0.5e-3], rtol=0.06)
     assert found[0] == found[2]
     assert found[1] == found[3]
+
+
+def test_where_an_angle_stands_between_two_steps_makes_no_noise_of_its_own(recording):
+    """Rounding a body that hardly moves makes half a step of noise at an edge, none in a middle."""
+    step, sigma = 6e-3, 1.3e-3
+    rng = np.random.default_rng(3)
+    runs = []
+    for i, place in enumerate((0.5, 0.0, 0.25, 0.5, 0.1, 0.4, 0.0)):  # steps
+        noise = (20e-3 if i == 6 else sigma) * rng.standard_normal(T.size)
+        phi2 = step * np.round((place * step + 1e-4 * SINE + noise) / step)
+        runs.append(recording(phi1=SINE + 1e-3 * rng.standard_normal(T.size), phi2=phi2))
+    own = [noise_level(r.t, r.phi2) for r in runs[:-1]]
+    assert max(own) > 1.3 * min(own)
+    found = noise_levels(runs)[:, 1]
+    assert len({*found[:-1]}) == 1
+    assert found[-1] == pytest.approx(20e-3, rel=0.1)

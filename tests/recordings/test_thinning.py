@@ -1,9 +1,13 @@
 """Means of blocks in the place of samples that no motion needs."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from tp_jax.recordings import Recording, block_length, stretches, thinned
+from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.recordings import Campaign, Recording, block_length, stretches, thinned
+from tp_jax.recordings.noise import is_coarse, quantum
 
 OMEGA = 13.0
 PERIOD = 2.0 * np.pi / OMEGA
@@ -44,3 +48,36 @@ def test_no_block_reaches_across_a_gap():
 def test_a_recording_without_samples_to_spare_is_left_alone():
     fine = recorded(250.0)
     assert thinned(fine, block_length(fine, PERIOD)) is fine
+
+
+def test_of_coarse_readings_one_stands_for_a_block():
+    """Their means would come in finer steps, which seem to hide nothing.
+
+    Seen on a rig with nothing hidden, whose converter of 10 bits was read 852 times a second.
+    """
+    step = 2.0 * np.pi / 1024
+    fine = recorded(2000.0)
+    rough = dataclasses.replace(fine, phi2=step * np.round(fine.phi2 / step))
+    assert not is_coarse(fine)
+    assert is_coarse(rough)
+    taken = thinned(rough, 3, coarse=True)
+    assert quantum(taken.phi2) == pytest.approx(step)
+    assert quantum(thinned(rough, 3).phi2) < 0.5 * step
+    assert set(taken.t) <= set(rough.t)
+    np.testing.assert_array_equal(taken.phi2, rough.phi2[1::3][: taken.n])
+
+
+def test_a_campaign_is_thinned_by_what_its_coarsest_readings_allow():
+    step = 2.0 * np.pi / 1024
+    runs = []
+    for i in range(2):
+        fine = recorded(2000.0)
+        rough = step * np.round(fine.phi2 / step) if i else fine.phi2
+        runs.append(dataclasses.replace(fine, phi2=rough, name=f"run-{i}", label=f"run-{i}"))
+    setting = prepare_campaign(Campaign.from_arrays(runs), effects=())
+    assert setting.coarse
+    assert set(setting.blocks) == {3}
+    assert quantum(setting.recordings[1].phi2) == pytest.approx(step)
+    setting = prepare_campaign(Campaign.from_arrays(runs[:1]), effects=())
+    assert not setting.coarse
+    assert setting.levels[0, 0] == pytest.approx(1e-3 / np.sqrt(3.0), rel=0.1)

@@ -14,16 +14,8 @@ from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.windows import prepare
 from tp_jax.recordings import Colour
-from tp_jax.recordings.noise import quantum
 
 CHANNELS = ("phi1", "phi2")
-COARSE = 2.0  # steps of a channel, in standard deviations of its noise, that hide it
-
-
-def steps_hide(readings: np.ndarray, level: float) -> bool:
-    """True where the steps of a channel's readings [rad] hide its noise: rounding then goes with
-    the motion in part."""
-    return bool(quantum(readings) > COARSE * level)
 
 
 def fitted_noise(fit: Fit) -> np.ndarray:

@@ -40,7 +40,7 @@ def typical_period(recordings: Sequence[Recording]) -> float:
 
 
 def horizons_of(period: float, step: float, typical: float) -> tuple[float, ...]:
-    """Window lengths: a quarter of a period (12 samples or more), then three and nine times that.
+    """Window lengths: a quarter of a period (12 samples or more), then 2.4 and six times that.
 
     The last is half a second at least, where the recordings are that long.
     """

@@ -25,6 +25,7 @@ from tp_jax.recordings import (
     thinned,
 )
 from tp_jax.recordings.drive_noise import without_drive_noise
+from tp_jax.recordings.noise import is_coarse
 
 #: Tst and T0 are nearly confounded with Ts1; without any slip T0 is free. A wide prior on log T0
 #: keeps the steps finite and is reported as unidentifiable where it decides.
@@ -40,8 +41,8 @@ class PreparedCampaign:
     """A campaign made ready: layout, prepared recordings, noise, horizons, what is unknown.
 
     Attributes:
-        campaign, recordings: all of them, held-out ones included; recordings may be averaged over
-            blocks, and have no noise of a measured drive that is periodic (`drive_noise`).
+        campaign, recordings: all of them, held-out ones included; recordings may be thinned, and
+            have no noise of a measured drive that is periodic (`drive_noise`).
         layout: with the whole catalogue's slots.
         prepared: one per recording.
         levels: (r, 2) sd of the noise of both channels in every recording [rad].
@@ -55,6 +56,7 @@ class PreparedCampaign:
         widths: (r,) samples of the window that smooths a recording.
         period: of the column's motion, typically [s].
         blocks: (r,) samples of which each of a recording's is the mean (`recordings.thinning`).
+        coarse: whether each is one of them instead, since steps of the readings hide their noise.
         supports: middle and half width of what the recordings visit of each law's argument, by the
             law's family; empty until laws are asked for (`gap.visited`).
         ruled_out: ids of effects and laws that are not asked about.
@@ -75,6 +77,7 @@ class PreparedCampaign:
     widths: np.ndarray
     period: float
     blocks: tuple[int, ...] = ()
+    coarse: bool = False
     supports: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
     ruled_out: frozenset[str] = frozenset()
 
@@ -194,7 +197,11 @@ def prepare_campaign(
     """
     period = typical_period([r for r in campaign.recordings if not r.held_out])
     blocks = tuple(block_length(r, period) for r in campaign.recordings)
-    recordings = tuple(map(thinned, map(without_drive_noise, campaign.recordings), blocks))
+    coarse = any(n > 1 and is_coarse(r) for r, n in zip(campaign.recordings, blocks, strict=True))
+    recordings = tuple(
+        thinned(without_drive_noise(r), n, coarse=coarse)
+        for r, n in zip(campaign.recordings, blocks, strict=True)
+    )
     fitted = [r for r in recordings if not r.held_out]
     colours = _colours(recordings, period)
     levels = noise_levels(recordings, colours)
@@ -239,6 +246,7 @@ def prepare_campaign(
         widths,
         period,
         blocks,
+        coarse,
         ruled_out=frozenset(without),
     )
 

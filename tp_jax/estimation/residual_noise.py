@@ -22,11 +22,11 @@ import numpy as np
 from scipy import optimize
 
 from tp_jax.estimation.fitted import Fit
-from tp_jax.estimation.noise_levels import CHANNELS, steps_hide, with_noise
+from tp_jax.estimation.noise_levels import CHANNELS, with_noise
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.recordings import Colour, Recording, noise_levels, same_rate
 from tp_jax.recordings.colour import limits
-from tp_jax.recordings.noise import quantum
+from tp_jax.recordings.noise import quantum, steps_hide
 
 log = logging.getLogger(__name__)
 

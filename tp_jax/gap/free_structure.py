@@ -29,7 +29,7 @@ from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.linearisation import columns, gathered, places
-from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
+from tp_jax.estimation.noise_levels import CHANNELS
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.parts import parts
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
@@ -43,6 +43,7 @@ from tp_jax.gap.free_torques import (
     sources_of_errors,
 )
 from tp_jax.gap.policy import POLICY, StructurePolicy
+from tp_jax.recordings.noise import steps_hide
 from tp_jax.results.diagnosis import LackOfFit
 
 #: Unknowns, (u, u) inverse information about them and a calibration's shapes, (u,) gradient.

@@ -54,9 +54,11 @@ def notes(
         )
     blocks = sorted({n for n in setting.blocks if n > 1})
     if blocks:
+        many = f"Recordings have far more samples than their motion needs: each {_joined(blocks)}"
         said.append(
-            f"Recordings have far more samples than their motion needs: each {_joined(blocks)} are "
-            "averaged, and the noise is that of the means."
+            f"{many} have one of them taken, since steps of the readings hide their noise."
+            if setting.coarse
+            else f"{many} are averaged, and the noise is that of the means."
         )
     said += _of_drive_noise(setting)
     eps = sorted({f.values.get("eps2") for f in (choice.baseline, final.fit)})

@@ -11,10 +11,10 @@ import dataclasses
 import numpy as np
 
 from tp_jax.estimation.fitted import Fit
-from tp_jax.estimation.noise_levels import CHANNELS, steps_hide
+from tp_jax.estimation.noise_levels import CHANNELS
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem
-from tp_jax.recordings.noise import quantum
+from tp_jax.recordings.noise import quantum, steps_hide
 
 AT_ONCE = 25  # draws
 LEAST_NOISE = 0.05  # steps: of a sensor whose noise rounding hides altogether

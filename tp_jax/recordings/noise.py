@@ -22,6 +22,9 @@ from tp_jax.recordings.recorded_run import RecordedRun
 
 ORDERS = range(2, 9)
 
+COARSE = 2.0
+"""Steps of a channel, in standard deviations of its noise, that hide it."""
+
 _CLIP = 3.0  # standard deviations
 _CLIPPED_VARIANCE = 0.97333  # of a standard normal, given that it lies within _CLIP
 
@@ -34,10 +37,14 @@ class LevelPolicy:
         apart: part by which its standard deviation differs from that of the recordings at its
             rate; less moves no decision, and the common level is the better known.
         errors: standard errors by which it differs.
+        rounded: steps of the readings that a level of its own has to exceed, where steps hide the
+            noise: rounding alone makes next to nothing of it in the middle of a step, and half a
+            step or a little more at its edge, wherever the motion happens to be.
     """
 
     apart: float = 0.15
     errors: float = 5.0
+    rounded: float = 0.6
 
 
 POLICY = LevelPolicy()
@@ -103,7 +110,8 @@ def noise_levels(
     """Noise (r, 2) of both channels in every recording [rad]; 0 where one is missing or constant.
 
     Recordings at one rate share the median of the fitted ones' variances, which one disturbed
-    recording does not move; a recording whose level clearly differs has its own.
+    recording does not move; a recording whose level clearly differs, by more than rounding makes,
+    has its own.
 
     Args:
         recordings: of a campaign.
@@ -127,6 +135,10 @@ def noise_levels(
                 level, error = own.get(i, (common, 0.0))
                 apart = max(policy.apart, policy.errors * error)
                 differs = abs(level - common) > apart * min(level, common)
+                if differs and i in own:
+                    readings = recordings[i].channels[name]
+                    step = quantum(readings) if steps_hide(readings, common) else 0.0
+                    differs = step == 0.0 or level > policy.rounded * step
                 out[i, c] = level if differs else common
     return out
 
@@ -149,6 +161,18 @@ def quantum(y: np.ndarray) -> float:
     multiples = steps[steps < 10.0 * step] / step
     on_grid = np.abs(multiples - np.round(multiples)) < 0.1  # a file may round the readings again
     return step if np.mean(on_grid) > 0.9 else 0.0
+
+
+def steps_hide(readings: np.ndarray, level: float) -> bool:
+    """True where the steps of a channel's readings [rad] hide its noise: rounding then goes with
+    the motion in part."""
+    return bool(quantum(readings) > COARSE * level)
+
+
+def is_coarse(recording: RecordedRun) -> bool:
+    """True where steps hide the noise of one of a recording's angles."""
+    angles = recording.channels.values()
+    return any(steps_hide(y, noise_level(recording.t, y)) for y in angles)
 
 
 def _differences(t: np.ndarray, y: np.ndarray):
