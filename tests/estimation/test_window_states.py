@@ -66,7 +66,7 @@ def test_a_window_at_rest_begins_where_the_one_before_it_ended(setting, values):
     assert wrong.size  # or there is nothing to mend
     gain, passes = rejoin(problem, values, stuck.states, stuck.lin, ())
     assert gain > 0.9 * above[wrong].sum()
-    assert passes < 1.0
+    assert passes < 1.5
     np.testing.assert_allclose(costs(stuck.lin)[wrong], costs(good.lin)[wrong], atol=2.0)
     again = problem.linearise(values, stuck.states, ())
     np.testing.assert_allclose(costs(stuck.lin), costs(again), rtol=1e-6)
@@ -78,7 +78,7 @@ def test_nothing_begins_anew_where_all_is_well(setting, values):
     before = good.states.copy()
     gain, passes = rejoin(problem, values, good.states, good.lin, ())
     assert gain < 2.0
-    assert passes < 0.2
+    assert passes < 0.5
     if not gain:
         np.testing.assert_array_equal(good.states, before)
 

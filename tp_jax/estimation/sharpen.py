@@ -55,6 +55,7 @@ def fit_with_sharp_friction(
         priors=before.priors,
         max_iterations=max_iterations,
         relative=FINE,
+        kinks=True,
     )
     log.info("eps %.3g: chi2/dof %.5g, was %.5g", eps, after.chi2_dof, before.chi2_dof)
     return after if after.cost < before.cost + WORSE * max(before.chi2_dof, 1.0) else before

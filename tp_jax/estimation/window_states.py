@@ -10,7 +10,7 @@ there, with slopes on both sides that point to the other. The way further down l
 against the shortest mean of the slopes of both sides, which a step that was refused tells.
 
 A window in which a body comes to rest may keep a state that moves, in a minimum of its own. The
-window before it knows better: `rejoin` lets windows that fit badly begin where that one ended.
+window before it knows better: `rejoin` lets windows begin where that one ended, if they fit better.
 
 Source: Wolfe (1975), Math. Program. Study 3:145; Lemarechal (1975), Math. Program. Study 3:95.
 """
@@ -37,7 +37,7 @@ FIRST = 1e-3
 HOPELESS = 1e2
 KINK = 1.0  # a settled window that promises to gain more than this lies in a kink
 KINK_ROUNDS = 16  # steps along kinks, of a few windows each; later ones gain next to nothing
-ODD = 2.0  # standard errors of its mean square by which a window fits worse than most
+APART = 10.0  # standard errors from where the window before ended: a state of another minimum
 REJOINED = 3  # rounds: where a window has moved, the next one has another start
 STATES_ALONE = 0.25  # of the time of an evaluation with all derivatives
 
@@ -169,7 +169,9 @@ def rejoin(
     tolerance: float = 0.01,
     loss: Loss = "linear",
 ) -> tuple[float, float]:
-    """Begins windows that fit badly where the window before them ended, if that fits better.
+    """Begins windows anew where the window before them ended, if that fits better.
+
+    Only those of which it is far enough away to be another minimum.
 
     Args:
         problem, values, slots, tolerance, loss: see `settle`.
@@ -183,9 +185,11 @@ def rejoin(
     gain = passes = 0.0
     for _ in range(REJOINED):
         cost = costs(lin)
-        mean = cost / w.count
-        odd = mean > np.median(mean) * (1.0 + ODD * np.sqrt(2.0 / w.count))
-        which = in_turn(w, np.flatnonzero(odd & (before >= 0)))
+        which = np.flatnonzero((before >= 0) & lin.complete[before])
+        jump = ended(which) - states[which]
+        square = np.einsum("wi,wij,wj->w", jump, state_equations(lin)[1][which], jump)
+        # a window that could not be integrated has no derivatives, and nothing to lose
+        which = in_turn(w, which[(square > APART**2) | ~lin.complete[which]])
         if not which.size:
             break
         part = of_windows(problem, which)

@@ -352,6 +352,7 @@ def _again(
         max_iterations=max_iterations,
         tolerance=tolerance,
         relative=1e-7,
+        kinks=True,
     )
 
 
