@@ -114,9 +114,9 @@ def fit(
             return False
         gain, more = rejoin(problem, values, at, lin, slots, tolerance=SETTLED * unit, loss=loss)
         joined, passes = True, passes + more
+        cost = lin.cost() + prior_cost(priors, unknowns, space.of(x))
         if gain < enough:
             return False
-        cost = lin.cost() + prior_cost(priors, unknowns, space.of(x))
         settled, of_states = True, None
         return True
 
