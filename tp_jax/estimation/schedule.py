@@ -7,7 +7,6 @@ climb the same rungs.
 """
 
 import dataclasses
-import functools
 import logging
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
@@ -142,10 +141,7 @@ def fit_over_schedule(
         max_iterations: at each rung; see `variable_projection.fit`.
     """
     climbed = rungs(setting, horizons=horizons, sharp=False)
-    method = functools.partial(fit_projected, kinks=True)
-    schedule = Schedule(
-        setting, method, unknowns=unknowns, climbed=climbed, max_iterations=max_iterations
-    )
+    schedule = Schedule(setting, unknowns=unknowns, climbed=climbed, max_iterations=max_iterations)
     return schedule.run(values, whole=True, progress=progress)
 
 
