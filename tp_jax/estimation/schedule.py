@@ -180,8 +180,15 @@ class Schedule:
         self.max_iterations = max_iterations
 
     def of(self, setting: PreparedCampaign) -> "Schedule":
-        """The same for another setting."""
-        return Schedule(setting, self.method, objective=self.objective, loss=self.loss)
+        """The same for another noise, by which the sharpest friction is another too."""
+        return Schedule(
+            setting,
+            self.method,
+            objective=self.objective,
+            loss=self.loss,
+            unknowns=self.unknowns,
+            max_iterations=self.max_iterations,
+        )
 
     def first(self, values: Values) -> Fit:
         """The first rung, from any numbers."""
