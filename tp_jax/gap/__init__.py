@@ -2,7 +2,8 @@
 
 applicability, directions   which effects, at which shape constants
 screen, structure, rounding all of them from one linearisation; is anything there at all
-refit, crossvalidation      the best few, nonlinearly, judged inside the fitted data
+refit, short_windows, crossvalidation
+                            the best few, nonlinearly, judged inside the fitted data
 choice, earning             the causes, one by one; which of them earns its place
 learned, visited            laws that nobody wrote down, where the causes leave structure; their
                             range

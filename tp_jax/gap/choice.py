@@ -32,13 +32,13 @@ from tp_jax.gap.refit import (
     Refit,
     polish,
     refit,
-    refit_from_short_windows,
     refit_longer_windows,
     refit_shape_constants,
     refit_with_sharp_friction,
     removable,
 )
 from tp_jax.gap.screen import Scored, Screen, screen
+from tp_jax.gap.short_windows import refit_from_short_windows
 from tp_jax.gap.structure import Structure, structure_test
 
 log = logging.getLogger(__name__)

@@ -13,11 +13,10 @@ from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.priors import GaussianPrior
 from tp_jax.estimation.problem import Problem
-from tp_jax.estimation.schedule import thinned
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.window_states import warm_start_states
-from tp_jax.gap.directions import Variant, variants
+from tp_jax.gap.directions import Variant
 from tp_jax.gap.screen import WIDE
 
 log = logging.getLogger(__name__)
@@ -134,7 +133,7 @@ def refit(
         bounds=setting.bounds | _of_zero(problem, priors),
         priors=[*base, *priors],
         max_iterations=max_iterations,
-        tolerance=_coarse(before),
+        tolerance=coarse_drop(before),
         relative=0.0,
     )
     log.info(
@@ -165,7 +164,7 @@ def _resting(before: Fit) -> float:
     return before.values.get("zero1")
 
 
-def _coarse(before: Fit) -> float:
+def coarse_drop(before: Fit) -> float:
     """Drop of the sum of squares that is not worth another step, of what may be removed at all.
 
     In parts of the whole sum, which is mostly noise, a small effect would not be worth the first.
@@ -184,7 +183,9 @@ def refit_shape_constants(
     if not any(s.continuous for s in last.effect.shapes):
         return trial
     unknowns, bounds = with_shapes(setting, trial)
-    found = _again(trial.fit, trial.fit.values, unknowns, bounds, max_iterations, _coarse(before))
+    found = _again(
+        trial.fit, trial.fit.values, unknowns, bounds, max_iterations, coarse_drop(before)
+    )
     return _with_its_shapes(trial, found)
 
 
@@ -211,85 +212,7 @@ def _at(variant: Variant, values: Values) -> Variant:
     return dataclasses.replace(variant, shapes=shapes)
 
 
-def refit_from_short_windows(
-    setting: PreparedCampaign, before: Fit, trial: Refit, max_iterations: int = 20
-) -> Refit:
-    """The same effects fitted anew from the shortest windows, which are then lengthened.
-
-    A wrong model pushes its parameters into a corner, and over long windows there may be no way
-    downhill from there to where they belong once the effect is in; nor is a shape constant that
-    looks best from that corner the right one. Over short windows there is a way, so the shape's
-    whole grid is tried there. Some of these windows say as well which way it is (see `schedule`).
-
-    Args:
-        setting: the campaign.
-        before: fit without the last effect, for the parameters.
-        trial: direct refit from there.
-        max_iterations: at each window length.
-
-    Returns:
-        Whichever is better, at the windows of `trial`.
-    """
-    *others, last = trial.variants
-    constants = {last.effect.qualified(s.name) for s in last.effect.shapes}
-    unknowns = [u for u in trial.fit.unknowns if u.name not in constants]  # from the grid
-    _, bounds = with_shapes(setting, trial)
-    target = trial.fit.problem.windows.horizon
-    horizons = [*(h for h in setting.horizons if h < 0.99 * target), target]
-    stuck = [u for u, b in zip(before.unknowns, before.at_bound, strict=True) if b]
-    start = trial.fit.values.put(before.unknowns, before.values.pick(before.unknowns))
-    start = start.replace({u.name: 0.0 for u in last.unknowns})
-    start = start.replace(_inside(before.problem, stuck))
-    best: Fit | None = None
-    chosen = last
-    coarse = _coarse(before)
-    problem = thinned(setting.problem(horizons[0]))
-    for variant in variants(last.effect, setting):
-        found = fit(
-            problem,
-            start.replace(variant.settings),
-            unknowns,
-            bounds=bounds,
-            priors=trial.fit.priors,
-            max_iterations=max_iterations // 2,
-            tolerance=10.0 * coarse * _share(problem, before),
-            relative=0.0,
-        )
-        if best is None or found.cost < best.cost:
-            best, chosen = found, variant
-    assert best is not None
-    for horizon in horizons:
-        problem = setting.problem(horizon)
-        if horizon != target:
-            problem = thinned(problem)
-        best = fit(
-            problem,
-            best.values,
-            unknowns,
-            warm_start_states(best, problem),
-            bounds=bounds,
-            priors=trial.fit.priors,
-            max_iterations=max_iterations,
-            tolerance=coarse * _share(problem, before),
-            relative=0.0,
-        )
-    log.info(
-        "%s regrown, %s: chi2/dof %.4g, %s",
-        "+".join(trial.ids),
-        chosen.shapes,
-        best.chi2_dof,
-        best.message,
-    )
-    better = np.isfinite(best.cost) and best.cost < trial.cost
-    return Refit(best, (*others, chosen)) if better else trial
-
-
-def _share(problem: Problem, before: Fit) -> float:
-    """Part of a fit's samples that a problem has."""
-    return min(float(problem.windows.count.sum() / before.problem.windows.count.sum()), 1.0)
-
-
-def _inside(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:
+def inside_bounds(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float]:
     """Values off their bounds, for parameters that end at zero."""
     stuck = [u for u in stuck if parameter(problem, u).transform == "identity"]
     return {u.name: 0.2 * parameter(problem, u).typical for u in stuck}
@@ -308,7 +231,7 @@ def polish(setting: PreparedCampaign, result: Refit, max_iterations: int = 25) -
     unknowns, bounds = with_shapes(setting, result)
     done = _again(before, before.values, unknowns, bounds, max_iterations)
     stuck = [u for u, b in zip(done.unknowns, done.at_bound, strict=True) if b]
-    inside = _inside(done.problem, stuck)
+    inside = inside_bounds(done.problem, stuck)
     if inside and removable(done) > BEYOND_CHANCE * np.sqrt(2.0 * done.dof):
         others = [u for u in unknowns if u.name not in inside]
         held = fit(
