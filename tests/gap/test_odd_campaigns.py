@@ -196,6 +196,16 @@ def test_a_drive_that_is_off_by_chance_says_little_of_the_next_run():
     assert expected(0.1, -0.1, 0.08, -0.06) == 0.0
 
 
+def test_a_vibration_of_another_phase_in_each_run_says_nothing_of_the_next():
+    effect = catalogue()["contact_vibration"]
+    setting = prepare_campaign(campaign_of({}, {}, {"held_out": True}), effects=[effect])
+    values = initial_values(setting).replace({"contact_vibration.a": [0.1, -0.08, 0.0]})
+    values = values.replace({"contact_vibration.b": [0.1, 0.101, 0.0]})
+    there = carried_over(values, setting)
+    assert there.get("contact_vibration.a", 2) == 0.0
+    assert there.get("contact_vibration.b", 2) == pytest.approx(0.1, rel=0.01)
+
+
 def test_relative_amplitudes_are_told_about_their_mean():
     effect = catalogue()["contact_repeatability"]
     setting = prepare_campaign(campaign_of({}, {}, {}), effects=[effect])

@@ -43,6 +43,8 @@ PLAIN = Evidence(
         # a small gap counts, though the noise hides its share on held-out data
         ({"shrink": NONE}, "explained"),
         ({"shrink": PARTLY}, "explained"),
+        # the gap on held-out data is seen, and no smaller than before
+        ({"shrink": Shrink(-0.1, (-0.9, 0.7), True)}, "unknown"),
         # structure is left: of a large gap next to nothing may be
         ({"structure_p_after": 0.001}, "explained"),
         ({"structure_p_after": 0.001, "shrink": PARTLY}, "unknown"),

@@ -14,13 +14,14 @@ from typing import Any, Literal
 import numpy as np
 
 from tp_jax.estimation.fitted import Fit, parameter
+from tp_jax.estimation.from_readings import fit_from_readings
 from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem
-from tp_jax.estimation.robust import Loss, robust
+from tp_jax.estimation.robust import Loss
 from tp_jax.estimation.slow_contact import with_slow_contact
 from tp_jax.estimation.variable_projection import fit as fit_projected
-from tp_jax.estimation.window_states import in_turn, of_windows, settle, warm_start_states
+from tp_jax.estimation.window_states import in_turn, of_windows, warm_start_states
 from tp_jax.model.parameters import PAPER_EPS
 from tp_jax.simulation.lanes import Tolerances
 
@@ -229,10 +230,8 @@ class Schedule:
         values = _smoothed(self.rungs[-1], values)
         passes = 0.0
         if states is None:
-            states = problem.initial_states(values)
-            lin = robust(problem.linearise(values, states, ()), self.loss)
-            found = settle(problem, values, states, lin, (), loss=self.loss)
-            states, passes = found.states, 1.0 + found.passes
+            found = fit_from_readings(problem, values, eps=self.setting.eps, loss=self.loss)
+            states, passes = found.states, float(found.evaluations)
         how = self._how(self.rungs[-1]) | {"max_iterations": 0}
         fit = fit_projected(problem, values, self.unknowns, states, **how)
         fit.evaluations = int(np.ceil(fit.evaluations + passes))

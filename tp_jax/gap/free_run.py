@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tp_jax.estimation.from_readings import fit_from_readings
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem, room
-from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.held_out import carried_over
 from tp_jax.recordings import stretches
@@ -34,7 +34,7 @@ def start_state(
         setting.fixed["B1"],
         programs=setting.programs,
     )
-    return fit(problem, values, (), max_iterations=15, relative=1e-6).states[0]
+    return fit_from_readings(problem, values, eps=setting.eps).states[0]
 
 
 def free_runs(

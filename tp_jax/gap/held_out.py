@@ -11,10 +11,10 @@ from scipy.linalg import matmul_toeplitz
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.from_readings import fit_from_readings
 from tp_jax.estimation.layout import Values
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
-from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances
 from tp_jax.recordings import Colour
@@ -82,8 +82,8 @@ def expected_elsewhere(
 ) -> Values:
     """Numbers for recordings that were not fitted, of what belongs to one recording.
 
-    The mean of those that were; of a drive's error, which may be the same in all runs or another in
-    each, as much of it as the runs have in common.
+    The mean of those that were; of an effect's amplitude, which may be the same in all runs or
+    another in each, as much of it as the runs have in common.
 
     Args:
         values: of a fit. setting: its campaign.
@@ -95,18 +95,13 @@ def expected_elsewhere(
     table = values.table.copy()
     running = table[setting.layout.index["running"]]
     driven = [i for i in seen if running[i] > 0.0]
-    of_drive = {
-        e.qualified(a.name)
-        for e in setting.layout.effects
-        if "sine" in e.needs
-        for a in e.amplitudes
-    }
+    owner = {e.qualified(a.name): e for e in setting.layout.effects for a in e.amplitudes}
     for i, p in enumerate(setting.layout.parameters):
         if p.scope == "recording" and p.name not in FIXED_BY_RECORDING:
             # a motor that stands has nothing to say of its speed
-            ours = p.name in of_drive and bool(driven)
-            expected = _in_common(table[i, driven]) if ours else table[i, seen].mean()
-            table[i, elsewhere] = expected
+            of_drive = p.name in owner and "sine" in owner[p.name].needs
+            told = table[i, driven if of_drive and driven else seen]
+            table[i, elsewhere] = _in_common(told) if p.name in owner else told.mean()
     return Values(values.layout, table)
 
 
@@ -145,8 +140,7 @@ def evaluate(
     extra, more = nuisances(list(effects), setting, which)
     unknowns = [u for u in extra if u.recording is not None]
     priors = [a for a in more if a.unknown in unknowns]
-    result = fit(problem, values, unknowns, priors=priors, max_iterations=12, relative=1e-5)
-    return squares(result)
+    return squares(fit_from_readings(problem, values, unknowns, eps=setting.eps, priors=priors))
 
 
 def squares(result: Fit) -> HeldOut:

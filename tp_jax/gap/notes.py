@@ -91,7 +91,7 @@ def notes(
     if word == "unknown" and final.ids and structure_p_after >= POLICY.structure.level:
         said.append(
             "The fitted recordings show no structure beside what is named, but the cause is not "
-            "certain enough, or the held-out recordings show more than noise."
+            "certain enough, or the held-out recordings show more than noise or no smaller gap."
         )
     elif word == "unknown" and final.ids:
         said.append("What is named holds part of the gap; what stays is structured still.")

@@ -49,7 +49,8 @@ def verdict(e: Evidence, tolerance: float = 0.0, policy: Policy = POLICY) -> Ver
     `explained` asks that the causes are probable and that on data not used for the choice nothing
     is left beyond the noise, or next to nothing of a large gap, or less than the tolerance. A cause
     that is not the right one may take most of a gap: what it leaves then comes again where the
-    motion does.
+    motion does. A gap that is as large as before on such data is not explained at all, however
+    small it is.
     """
     limits = policy.verdict
     if e.structure_p >= policy.structure.alarm:
@@ -60,6 +61,8 @@ def verdict(e: Evidence, tolerance: float = 0.0, policy: Policy = POLICY) -> Ver
         return "unknown"
     if 0.0 < tolerance and e.rest_rms <= tolerance:
         return "explained"
+    if e.shrink.value is not None and e.shrink.value <= 0.0:
+        return "unknown"
     noise = e.rest <= limits.excess * e.rest_error
     if noise and e.structure_p_after >= policy.structure.level:
         return "explained"
