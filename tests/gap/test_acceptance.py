@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from tests.standing_in import standing_in
@@ -16,45 +17,59 @@ from tp_jax.results.diagnosis import Errors
 SETTING = standing_in(PreparedCampaign)
 
 
-def result(*ids):
+class Numbers:
+    """A fit's unknowns, their values, covariance and blocks' degrees of freedom."""
+
+    def __init__(self, sizes=(), sd=(), correlation=0.0, dof=np.inf, bound=(), names=()):
+        self.unknowns = [SimpleNamespace(name=name, recording=None) for name in names]
+        self.at_bound = np.array([name in bound for name in names], bool)
+        own = dict(zip(names, sizes, strict=True))
+        self.values = SimpleNamespace(pick=lambda us: np.array([own[u.name] for u in us]))
+        related = np.where(np.eye(len(names)) > 0.0, 1.0, correlation)
+        self.covariance = np.outer(sd, sd) * related, np.full(len(names), dof)
+
+
+def result(*ids, fit=None):
     variants = tuple(SimpleNamespace(effect=catalogue()[id]) for id in ids)
-    return standing_in(Refit, variants=variants, fit=None, ids=ids)
+    return standing_in(Refit, variants=variants, fit=fit, ids=ids)
 
 
 @pytest.fixture
-def sizes(monkeypatch):
-    """Sets the intervals of amplitudes."""
+def sized(monkeypatch):
+    """Asks for the size of an effect with given amplitudes."""
+    monkeypatch.setattr(acceptance, "covariance", lambda fit, setting: fit.covariance)
 
-    def put(**intervals):
-        every = {name.replace("__", "."): {"ci95": ci} for name, ci in intervals.items()}
-        monkeypatch.setattr(acceptance, "intervals", lambda fit, setting: every)
+    def ask(id, *sizes, **how):
+        names = [f"{id}.{a}" for a in "ab"[: len(sizes)]]
+        return has_size(SETTING, result(id, fit=Numbers(sizes, names=names, **how)), id)
 
-    return put
+    return ask
 
 
 @pytest.mark.parametrize(
-    ("interval", "there"),
+    ("size", "how", "there"),
     [
-        ((0.1, 0.3), True),
-        ((-0.3, -0.1), True),
-        ((-0.1, 0.3), False),
-        ((0.0, 0.3), False),  # at the bound of what may not be negative
-        ((0.0, None), False),
+        (0.2, {}, True),
+        (-0.2, {}, True),
+        (0.1, {}, False),
+        (0.2, {"dof": 2.0}, False),  # a few blocks' scatter
+        (0.0, {"bound": ["bearing_drag.a"]}, False),
     ],
 )
-def test_a_size_is_an_interval_without_zero(sizes, interval, there):
-    sizes(bearing_drag__a=interval)
-    assert has_size(SETTING, result("bearing_drag"), "bearing_drag") == there
+def test_a_size_is_an_interval_without_zero(sized, size, how, there):
+    assert sized("bearing_drag", size, sd=[0.08], **how) == there
 
 
-def test_of_two_amplitudes_one_is_enough(sizes):
-    sizes(column_tilt__a=(-0.1, 0.1), column_tilt__b=(0.2, 0.3))
-    assert has_size(SETTING, result("column_tilt"), "column_tilt")
+def test_two_amplitudes_are_asked_together(sized):
+    assert sized("column_tilt", 0.01, 0.3, sd=[0.1, 0.1])
+    assert not sized("column_tilt", 0.1, 0.1, sd=[0.1, 0.1])
+    # each may be nothing alone where both cannot be
+    assert sized("column_tilt", 0.15, 0.15, sd=[0.1, 0.1], correlation=-0.9)
+    assert not sized("column_tilt", 0.15, 0.15, sd=[0.1, 0.1], correlation=0.9)
 
 
-def test_amplitudes_of_recordings_have_no_size_of_the_campaign(sizes):
-    sizes()
-    assert has_size(SETTING, result("contact_repeatability"), "contact_repeatability")
+def test_amplitudes_of_recordings_have_no_size_of_the_campaign(sized):
+    assert sized("contact_repeatability", sd=[])
 
 
 def test_ties_count_together(monkeypatch):

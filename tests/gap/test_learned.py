@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from tests.standing_in import standing_in
 from tp_jax.gap import learned
+from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.learned import log_evidence
+from tp_jax.gap.refit import Refit
 
 RNG = np.random.default_rng(3)
 
@@ -59,3 +62,33 @@ def test_a_formula_that_takes_nearly_all_is_not_replaced(left, asked, monkeypatc
     r = SimpleNamespace(refits={"a": best}, searched=searched, before=searched, screen=seen)
     assert learned._alone(None, r, lambda *_: None, None) == []
     assert bool(calls) == asked
+
+
+def round_of(*drops, p=0.5):
+    """A round that screened formulas with these falls of the sum of squares."""
+    seen = SimpleNamespace(scored=[SimpleNamespace(drop=d) for d in drops])
+    structure = SimpleNamespace(p=p)
+    return standing_in(Round, before=Left(500.0), searched=None, screen=seen, structure=structure)
+
+
+@pytest.mark.parametrize(
+    ("causes", "p", "asked"),
+    [
+        ((), 0.001, False),  # nothing was taken: there is no patch to replace
+        (("sensor2_drift",), 0.5, False),  # one formula, and nothing is left
+        (("sensor2_drift",), 0.001, True),
+        (("sensor2_drift", "spring_relaxation"), 0.5, True),
+    ],
+)
+def test_one_law_is_asked_for_in_the_place_of_several_formulas(causes, p, asked, monkeypatch):
+    """Though what they leave is less than chance leaves of the noise of so many samples."""
+    least = []
+    monkeypatch.setattr(learned, "with_supports", lambda setting, fit: setting)
+    monkeypatch.setattr(learned, "_tried", lambda *args: least.append(args[-1]) or [])
+    setting = SimpleNamespace(layout=SimpleNamespace(learned=True))
+    rounds = (round_of(300.0, 40.0, p=0.001), round_of(20.0, p=p))
+    final = standing_in(Refit, fit=Left(40.0), ids=causes)
+    choice = Choice(None, rounds, final)
+    monkeypatch.setattr(learned, "unexplained", lambda setting, choice: False)
+    assert learned.learn(setting, choice, 0, lambda *_: None) is choice
+    assert least == ([150.0] if asked else [])  # more evidence than the best formula's

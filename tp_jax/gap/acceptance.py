@@ -10,8 +10,10 @@ import dataclasses
 
 import numpy as np
 
+from tp_jax import _tails as tails
 from tp_jax.estimation.fitted import Fit
-from tp_jax.estimation.intervals import intervals
+from tp_jax.estimation.intervals import covariance
+from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import detectability
 from tp_jax.gap.backward import without
@@ -24,6 +26,7 @@ from tp_jax.gap.refit import Refit, polish, refit_with_sharp_friction
 from tp_jax.results.diagnosis import Errors
 
 MOST_TIED = 3  # effects of a group that counts as one
+LEVEL = 0.05  # at which a cause's amplitudes may all be zero
 
 
 def without_harm(
@@ -123,17 +126,28 @@ def _offered(
 
 
 def has_size(setting: PreparedCampaign, result: Refit, id: str) -> bool:
-    """True where the interval of any amplitude of a cause leaves out zero.
+    """True where the amplitudes of a cause are not all zero, by their joint 95 % region.
 
-    An effect whose amplitudes belong to recordings has none of the campaign: then it counts.
+    The coefficients of a learned curve may each be uncertain where the curve is not. An effect
+    whose amplitudes belong to recordings has none of the campaign: then it counts.
     """
+    fit = result.fit
     effect = next(v.effect for v in result.variants if v.effect.id == id)
-    every = intervals(result.fit, setting)
-    names = [effect.qualified(a.name) for a in effect.amplitudes]
-    found = [every[n]["ci95"] for n in names if n in every]
-    return not found or any(
-        low is not None and high is not None and low * high > 0.0 for low, high in found
+    names = {effect.qualified(a.name) for a in effect.amplitudes}
+    own = [i for i, u in enumerate(fit.unknowns) if u.name in names and u.recording is None]
+    if not own:
+        return True
+    free = [i for i in own if not fit.at_bound[i]]
+    if not free:
+        return False
+    every, dof = covariance(fit, setting)
+    size = fit.values.pick([fit.unknowns[i] for i in free])
+    square = size @ scaled_inverse(every[np.ix_(free, free)]) @ size
+    # of few blocks the region is wider, as an interval is by Student's t
+    wider = tails.student_level(LEVEL / 2.0, dof[free].min()) / tails.student_level(
+        LEVEL / 2.0, np.inf
     )
+    return bool(square > wider**2 * tails.chi_square_level(LEVEL, len(free)))
 
 
 def tied(setting: PreparedCampaign, choice: Choice, no_gap: bool = False) -> list[list[str]]:

@@ -8,6 +8,7 @@ formula is. Otherwise the best are refitted once formulas have done what they ca
 none of them leaves noise alone, in addition to the causes that were found. They have to pass what a
 cause has to pass: a fall of the left-out sum of squares, a confirmation by recordings left out. A
 law alone that does better than the formulas replaces them: the nearest formula is not the cause.
+Where formulas patch a gap between them, one law is asked for in their place, however little is left.
 """
 
 import dataclasses
@@ -98,14 +99,18 @@ def _alone(
         best = polish(setting, best)
         if removable(best.fit) < max(_worth_asking(best.fit), little):
             return []
-    drop = max((s.drop for s in r.screen.scored), default=0.0)
-    promised = drop / (2.0 * max(r.before.chi2_dof, 1.0))
     return [
         trial
-        for trial in _tried(setting, r, Refit(r.searched, ()), progress, known, 1, promised)
+        for trial in _tried(setting, r, Refit(r.searched, ()), progress, known, 1, _promised(r))
         if _nothing_left(trial.result.fit)
         and removable(trial.result.fit) < POLICY.learning.part * removable(best.fit)
     ]
+
+
+def _promised(r: Round) -> float:
+    """Log evidence that the best formula could have at most, by the screen of a round."""
+    drop = max((s.drop for s in r.screen.scored), default=0.0)
+    return drop / (2.0 * max(r.before.chi2_dof, 1.0))
 
 
 def _worth_asking(fit: Fit, policy: LearningPolicy = POLICY.learning) -> float:
@@ -126,9 +131,13 @@ def learn(
     Args:
         setting, seed, progress, known: see `choose`. choice: which that gave.
     """
-    if not setting.layout.learned or not unexplained(setting, choice):
+    if not setting.layout.learned:
         return choice
-    return _with_law(setting, choice, seed, progress, known) or choice
+    if unexplained(setting, choice):
+        return _with_law(setting, choice, seed, progress, known) or choice
+    if _patched(choice):
+        return _instead(setting, choice, seed, progress, known) or choice
+    return choice
 
 
 def unexplained(
@@ -139,6 +148,30 @@ def unexplained(
     if removable(final) < _worth_asking(final, policy):
         return False
     return choice.structure.p < POLICY.structure.seen or misfits(setting, final)
+
+
+def _patched(choice: Choice) -> bool:
+    """True where formulas took several turns at a gap, or left structure of it.
+
+    A law that is in no catalogue makes them do so, even where all that is left is less than chance
+    leaves of the noise of so many samples.
+    """
+    left = choice.structure.p < POLICY.structure.seen
+    return len(choice.causes) > 1 or (left and bool(choice.causes))
+
+
+def _instead(
+    setting: PreparedCampaign, choice: Choice, seed: int, progress: Progress, known: Refit | None
+) -> Choice | None:
+    """The choice with one law in the place of several formulas, or None.
+
+    Only a law with more evidence than the first round's best formula could have is refitted.
+    """
+    r = choice.rounds[0]
+    setting = with_supports(setting, r.searched)
+    nothing = Refit(r.searched, ())
+    trials = _tried(setting, r, nothing, progress, known, 1, _promised(r))
+    return _first_accepted(setting, choice, trials, seed, progress) if trials else None
 
 
 def _with_law(
