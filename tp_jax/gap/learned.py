@@ -8,7 +8,8 @@ formula is. Otherwise the best are refitted once formulas have done what they ca
 none of them leaves noise alone, in addition to the causes that were found. They have to pass what a
 cause has to pass: a fall of the left-out sum of squares, a confirmation by recordings left out. A
 law alone that does better than the formulas replaces them: the nearest formula is not the cause.
-Where formulas patch a gap between them, one law is asked for in their place, however little is left.
+Where formulas patch a gap between them, one law is asked for in their place, however little they
+leave.
 """
 
 import dataclasses
