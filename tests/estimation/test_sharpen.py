@@ -66,4 +66,21 @@ def test_bounds_that_are_not_the_settings(fitted, monkeypatch):
     monkeypatch.setattr(sharpen, "fit", fit)
     fit_with_sharp_friction(setting, before)
     fit_with_sharp_friction(setting, before, bounds={"k": (0.0, 1.0)})
-    assert asked == [setting.bounds, {"k": (0.0, 1.0)}]
+    own = {"k": (0.0, 1.0)}
+    assert asked == [setting.bounds, setting.bounds, own, own]
+
+
+def test_the_way_is_gone_in_two_steps(fitted, monkeypatch):
+    """In one a fit may end far above the least sum of squares, beyond kinks that it cannot pass."""
+    setting, before = fitted
+    steps = []
+
+    def fit(problem, values, unknowns, states, **how):
+        steps.append((values.get("eps1"), values.get("eps2")))
+        return sharpened(problem, values, unknowns, states, **how)
+
+    sharpened = sharpen.fit
+    monkeypatch.setattr(sharpen, "fit", fit)
+    fit_with_sharp_friction(setting, before)
+    between = np.sqrt(DEFAULT_EPS * SHARPEST_EPS)
+    assert steps == [(pytest.approx(between),) * 2, (SHARPEST_EPS,) * 2]

@@ -17,7 +17,15 @@ from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.applicability import check_known, check_predictable, why_not
 from tp_jax.gap.free_run import start_state
-from tp_jax.gap.held_out import FLOOR_ERROR, HeldOut, carried_over, floor_error, shrink, squares
+from tp_jax.gap.held_out import (
+    FLOOR_ERROR,
+    HeldOut,
+    evaluate,
+    expected_elsewhere,
+    floor_error,
+    shrink,
+    squares,
+)
 from tp_jax.gap.relative import centred
 from tp_jax.recordings import hold_out
 
@@ -30,6 +38,11 @@ def campaign_of(*changes: dict) -> tp.Campaign:
         for r, change in zip(campaign.recordings, changes, strict=True)
     ]
     return dataclasses.replace(campaign, recordings=tuple(runs))
+
+
+def carried_over(values, setting):
+    """Numbers with what is expected of the held-out recordings."""
+    return expected_elsewhere(values, setting, setting.fitted, setting.held_out)
 
 
 def resampled(recording, rate: float) -> dict:
@@ -204,6 +217,28 @@ def test_a_vibration_of_another_phase_in_each_run_says_nothing_of_the_next():
     there = carried_over(values, setting)
     assert there.get("contact_vibration.a", 2) == 0.0
     assert there.get("contact_vibration.b", 2) == pytest.approx(0.1, rel=0.01)
+
+
+def test_a_friction_of_another_size_in_each_run_is_their_mean_in_the_next():
+    """The last fitted run's amplitude is held at zero: what runs have in common is the size's."""
+    effect = catalogue()["contact_repeatability"]
+    setting = prepare_campaign(campaign_of({}, {}, {"held_out": True}), effects=[effect])
+    values = initial_values(setting).replace({"contact_repeatability.a": [0.1, 0.0, 0.0]})
+    there = carried_over(values, setting)
+    assert there.get("contact_repeatability.a", 2) == pytest.approx(0.05)
+
+
+def test_a_run_whose_friction_is_off_by_its_usual_scatter_is_no_misfit():
+    effect = catalogue()["contact_repeatability"]
+    setting = prepare_campaign(campaign_of({}, {}, {"held_out": True}), effects=[effect])
+    name = "contact_repeatability.a"
+    # the mean of 1.2 and 1 is expected, and it is 1
+    values = synthetic_values(setting).replace({name: [0.2, 0.0, 0.0]})
+    found = evaluate(setting, values, 0.75, [effect])
+    assert found.fit.values.get(name, 2) == pytest.approx(0.0, abs=0.01)
+    assert np.sqrt(found.mean_square()) == pytest.approx(1e-3, rel=0.1)
+    fixed = evaluate(setting, values, 0.75)
+    assert np.sqrt(fixed.mean_square()) > 1.5e-3
 
 
 def test_relative_amplitudes_are_told_about_their_mean():

@@ -74,8 +74,8 @@ def rungs(
         setting: the campaign.
         objective: for a "free-run" there is the longest horizon alone, that of whole recordings.
         horizons: window lengths [s], growing; the campaign's own if None.
-        sharp: whether the last one comes again with the sharpest friction, where the friction can
-            be sharper than that of the search (see `sharpen`).
+        sharp: whether the last one comes again with the sharpest friction, in two steps, where the
+            friction can be sharper than that of the search (see `sharpen`).
         first: windows of the first rung.
     """
     if objective == "free-run":
@@ -89,8 +89,15 @@ def rungs(
     ]
     found.append(Rung(last, setting.eps, None, FINE))
     if sharp and setting.sharpest > setting.eps:
+        between = halfway(setting.eps, setting.sharpest)
+        found.append(Rung(last, between, None, ROUGH, FINELY))
         found.append(Rung(last, setting.sharpest, None, FINE, FINELY))
     return tuple(found)
+
+
+def halfway(eps: float, sharper: float) -> float:
+    """Smoothing of the friction [s] at which a fit stops on its way to the sharpest."""
+    return float(np.sqrt(eps * sharper))
 
 
 def problem_of(setting: PreparedCampaign, rung: Rung) -> Problem:

@@ -11,8 +11,8 @@ import dataclasses
 import numpy as np
 
 from tp_jax import _tails as tails
-from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import covariance
+from tp_jax.estimation.layout import Values
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import detectability
@@ -56,7 +56,7 @@ def _predicts_worse(setting: PreparedCampaign, before: Refit, after: Refit, hori
 
     def errors_of(result: Refit) -> Errors:
         held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
-        return errors(held, free_errors(setting, result.fit, horizon)[1])
+        return errors(held, free_errors(setting, held.fit.values, horizon)[1])
 
     return is_worse(errors_of(before), errors_of(after))
 
@@ -189,14 +189,14 @@ def is_worse(before: Errors, after: Errors) -> bool:
 
 
 def free_errors(
-    setting: PreparedCampaign, fit: Fit, horizon: float
+    setting: PreparedCampaign, values: Values, horizon: float
 ) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray] | None]:
-    """Start states and free runs of the held-out recordings."""
+    """Start states and free runs of the held-out recordings, by numbers that are theirs too."""
     which = list(setting.held_out)
-    starts = {i: start_state(setting, fit.values, i, horizon) for i in which}
+    starts = {i: start_state(setting, values, i, horizon) for i in which}
     if not which:
         return starts, None
-    runs = free_runs(setting, fit.values, which, np.array([starts[i] for i in which]))
+    runs = free_runs(setting, values, which, np.array([starts[i] for i in which]))
     return starts, dict(zip(which, runs, strict=True))
 
 

@@ -22,12 +22,12 @@ from tp_jax.gap.by_recording import shrink_by_recording
 from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import free_structure
-from tp_jax.gap.held_out import HeldOut, Shrink, carried_over, evaluate, floor_error, shrink
+from tp_jax.gap.held_out import HeldOut, Shrink, evaluate, floor_error, shrink
 from tp_jax.gap.location import locate
 from tp_jax.gap.misfit import excess
 from tp_jax.gap.notes import beyond_its_range, elsewhere, notes, why_no_cause
 from tp_jax.gap.refit import Refit
-from tp_jax.gap.relative import told
+from tp_jax.gap.relative import centred, told
 from tp_jax.gap.screen import screen
 from tp_jax.gap.series import curves, recordings, residuals
 from tp_jax.gap.structure import structure_test
@@ -84,9 +84,11 @@ def assemble(
             seen = screen(final.fit, setting, skip=final.ids, states=False)
             rest = structure_test(seen, seed)
         structure_p_after = combined(rest.p, after_rest.p, left)
-    start_before, free_before = free_errors(setting, baseline, horizon)
+    start_before, free_before = free_errors(setting, before.fit.values, horizon)
     start_after, free_after = (
-        free_errors(setting, final.fit, horizon) if final.ids else (start_before, free_before)
+        free_errors(setting, after.fit.values, horizon)
+        if final.ids
+        else (start_before, free_before)
     )
     gap_before, gap_after = errors(before, free_before), errors(after, free_after)
     worse = final.ids if final.ids and is_worse(gap_before, gap_after) else ()
@@ -136,8 +138,9 @@ def assemble(
     said += beyond_its_range(setting, final, after.fit)
     labels = [r.label for r in setting.recordings]
     against = why_no_cause(choice, worse or dropped, doubts)
-    fit_before = fit_record(carried_over(baseline.values, setting), (), labels)
-    fit_after = fit_record(carried_over(final.fit.values, setting), ids, labels) if ids else None
+    fit_before = fit_record(before.fit.values, (), labels)
+    told_after = centred(after.fit.values, [v.effect for v in final.variants], setting.fitted)
+    fit_after = fit_record(told_after, ids, labels) if ids else None
     return DiagnosisRecord(
         schema=VERSION,
         campaign=setting.campaign.name,

@@ -9,7 +9,6 @@ from tp_jax.estimation.layout import Values
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import Problem, room
 from tp_jax.estimation.windows import Windows
-from tp_jax.gap.held_out import carried_over
 from tp_jax.recordings import stretches
 
 
@@ -18,9 +17,9 @@ def start_state(
 ) -> np.ndarray:
     """State at the start of a recording (4,), estimated on its first window only.
 
+    The numbers are the recording's too: of one held out, as `held_out.evaluate` leaves them.
     The window ends at a gap, unless that leaves fewer than eight samples.
     """
-    values = carried_over(values, setting)
     p = setting.prepared[recording]
     count = int(np.searchsorted(p.t, p.t[0] + horizon, side="right"))
     count = min(count, stretches(p.t)[0].stop)
@@ -44,5 +43,4 @@ def free_runs(
 
     What cannot be integrated is NaN.
     """
-    values = carried_over(values, setting)
     return setting.problem(setting.horizons[0]).follow(values, recordings, states)

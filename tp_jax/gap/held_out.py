@@ -10,11 +10,13 @@ import numpy as np
 from scipy.linalg import matmul_toeplitz
 
 from tp_jax import _tails as tails
+from tp_jax.effects import Effect
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.from_readings import fit_from_readings
-from tp_jax.estimation.layout import Values
+from tp_jax.estimation.layout import Unknown, Values
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
+from tp_jax.estimation.priors import GaussianPrior
 from tp_jax.gap.calibration import Floor, noise_alone
 from tp_jax.gap.refit import nuisances
 from tp_jax.recordings import Colour
@@ -23,6 +25,7 @@ FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its es
 PER_SAMPLE = 3.0  # times the root of the samples: fifth differences, and a median over recordings
 FEW = 6  # windows, of which resampling alone would promise too much
 DRAWS = 2000
+LEAST_SCATTER = 0.01  # of sizes that are others in each recording: two may agree by chance
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,18 +75,14 @@ class HeldOut:
         return float(np.sqrt((error**2).sum()) / square.sum())
 
 
-def carried_over(values: Values, setting: PreparedCampaign) -> Values:
-    """Numbers for the held-out recordings, of what belongs to one recording."""
-    return expected_elsewhere(values, setting, setting.fitted, setting.held_out)
-
-
 def expected_elsewhere(
     values: Values, setting: PreparedCampaign, seen: Sequence[int], elsewhere: Sequence[int]
 ) -> Values:
     """Numbers for recordings that were not fitted, of what belongs to one recording.
 
     The mean of those that were; of an effect's amplitude, which may be the same in all runs or
-    another in each, as much of it as the runs have in common.
+    another in each, as much of it as the runs have in common. Where only differences between runs
+    matter (`Effect.relative`) the mean is the parameter's, whatever the runs have in common.
 
     Args:
         values: of a fit. setting: its campaign.
@@ -101,7 +100,8 @@ def expected_elsewhere(
             # a motor that stands has nothing to say of its speed
             of_drive = p.name in owner and "sine" in owner[p.name].needs
             told = table[i, driven if of_drive and driven else seen]
-            table[i, elsewhere] = _in_common(told) if p.name in owner else told.mean()
+            absolute = p.name in owner and not owner[p.name].relative
+            table[i, elsewhere] = _in_common(told) if absolute else told.mean()
     return Values(values.layout, table)
 
 
@@ -124,13 +124,14 @@ def evaluate(
     setting: PreparedCampaign,
     values: Values,
     horizon: float,
-    effects=(),
+    effects: Sequence[Effect] = (),
     which: Sequence[int] | None = None,
 ) -> HeldOut:
     """Windowed errors of a model on some recordings (the held-out ones if None).
 
     What belongs to a recording is what the others that were fitted have in common. Only window
-    states are estimated there (and the zeros of phi2, where an effect depends on them).
+    states are estimated there, and the zeros of phi2 where an effect depends on them; so is a size
+    that is another in each recording (`Effect.relative`), within the scatter of the others'.
     """
     which = setting.held_out if which is None else list(which)
     others = [i for i in setting.fitted if i not in which]
@@ -140,7 +141,33 @@ def evaluate(
     extra, more = nuisances(list(effects), setting, which)
     unknowns = [u for u in extra if u.recording is not None]
     priors = [a for a in more if a.unknown in unknowns]
+    sizes = _own_sizes(setting, values, effects, others, which)
+    unknowns, priors = unknowns + [a.unknown for a in sizes], priors + sizes
     return squares(fit_from_readings(problem, values, unknowns, eps=setting.eps, priors=priors))
+
+
+def _own_sizes(
+    setting: PreparedCampaign,
+    values: Values,
+    effects: Sequence[Effect],
+    seen: Sequence[int],
+    elsewhere: Sequence[int],
+) -> list[GaussianPrior]:
+    """What is expected of sizes that are others in each recording, for those not fitted.
+
+    Such an effect says that nobody knows the next run's size, only about how far it may be off. So
+    one run held out, whose size is by chance the baseline's, does not speak against it.
+    """
+    found = []
+    for name in (e.qualified(e.amplitudes[0].name) for e in effects if e.relative):
+        row = setting.layout.index[name]
+        spec, told = setting.layout.parameters[row], values.table[row, list(seen)]
+        scatter = max(float(told.std(ddof=1)) if told.size > 1 else spec.typical, LEAST_SCATTER)
+        for i in elsewhere:
+            mean = float(values.table[row, i])
+            sd = scatter / spec.slope(mean)
+            found.append(GaussianPrior(Unknown(name, i), float(spec.to_coordinate(mean)), sd))
+    return found
 
 
 def squares(result: Fit) -> HeldOut:

@@ -15,7 +15,8 @@ from tp_jax.gap.refit import Refit
 def centred(values: Values, effects: Sequence[Effect], fitted: Sequence[int]) -> Values:
     """The same numbers with amplitudes whose mean over the fitted recordings is zero.
 
-    What is p (1 + a_r) becomes p (1 + m) (1 + a'_r), with a'_r = (a_r - m) / (1 + m).
+    What is p (1 + a_r) becomes p (1 + m) (1 + a'_r), with a'_r = (a_r - m) / (1 + m), in all
+    recordings; of one that was not fitted, a_r has to be what is expected or was found there.
 
     Args:
         values: of a fit.
@@ -26,9 +27,9 @@ def centred(values: Values, effects: Sequence[Effect], fitted: Sequence[int]) ->
         if not effect.relative:
             continue
         name = effect.qualified(effect.amplitudes[0].name)
-        row = values.table[values.layout.index[name]].copy()
+        row = values.table[values.layout.index[name]]
         mean = row[list(fitted)].mean()
-        row[list(fitted)] = (row[list(fitted)] - mean) / (1.0 + mean)
+        row = (row - mean) / (1.0 + mean)
         scaled = values.get(effect.relative) * (1.0 + mean)
         values = values.replace({name: row, effect.relative: scaled})
     return values
