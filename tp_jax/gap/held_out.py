@@ -153,7 +153,7 @@ def _own_sizes(
     seen: Sequence[int],
     elsewhere: Sequence[int],
 ) -> list[GaussianPrior]:
-    """What is expected of sizes that are others in each recording, for those not fitted.
+    """Priors of sizes that are others in each recording, for recordings not fitted.
 
     Such an effect says that nobody knows the next run's size, only about how far it may be off. So
     one run held out, whose size is by chance the baseline's, does not speak against it.
