@@ -73,7 +73,6 @@ def candidates(diagnosis: DiagnosisRecord) -> Table | None:
         "predicted shrink": [percent(row.predicted_shrink) for row in found],
         "realised shrink": [percent(row.realised_shrink) for row in found],
         "probability": [probability(row.probability) for row in found],
-        "z": [number(row.z, 2) for row in found],
         "note": [row.note or MISSING for row in found],
     }
     said = {name: cells for name, cells in columns.items() if any(c != MISSING for c in cells)}
