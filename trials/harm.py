@@ -3,9 +3,9 @@
 A model does harm where after^2 > before^2 by more than 2 % of before^2 and one standard error of
 the difference together, both on the sealed runs. *Windowed*: mean squares as `gap.held_out` has
 them, standard error from the scatter of windows. *Free run*: from the state at a run's start,
-estimated on its first moments, never corrected after; mean squares over channels and runs, standard
-error from the scatter of runs (none from a single one). A model that cannot be integrated where
-the one before it could does harm.
+estimated on its first moments, never corrected after, with a zero or size of the run's own as its
+windows have it; mean squares over channels and runs, standard error from the scatter of runs (none
+from a single one). A model that cannot be integrated where the one before it could does harm.
 """
 
 from collections.abc import Mapping

@@ -1,10 +1,14 @@
 """Sentences beside the numbers."""
 
+from types import SimpleNamespace
+
 import numpy as np
 
 from tests.standing_in import standing_in
+from tp_jax.effects import catalogue
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
-from tp_jax.gap.notes import _of_drive_noise
+from tp_jax.gap.notes import _of_drive_noise, _of_own_sizes
+from tp_jax.gap.refit import Refit
 from tp_jax.recordings import Campaign, Recording
 
 T = np.arange(2000) / 200.0
@@ -46,3 +50,14 @@ def test_another_one_is_taken_as_it_reads():
 
 def test_a_commanded_drive_has_no_noise():
     assert said(None) == []
+
+
+def test_a_size_that_was_read_off_the_held_out_run_is_said_to_be():
+    def told(*ids):
+        variants = tuple(SimpleNamespace(effect=catalogue()[id]) for id in ids)
+        return _of_own_sizes(standing_in(Refit, variants=variants))
+
+    assert told("contact_stribeck", "contact_vibration") == []
+    (note,) = told("contact_stribeck", "contact_repeatability")
+    assert note.startswith("contact_repeatability ")
+    assert "estimated from their readings" in note

@@ -88,6 +88,7 @@ def notes(
             f"{id} would fit the recordings better, but is not likely enough or of no certain "
             f"size: it is a candidate, not a cause{still}."
         )
+    said += _of_own_sizes(final)
     if word == "unknown" and final.ids and structure_p_after >= POLICY.structure.level:
         said.append(
             "The fitted recordings show no structure beside what is named, but the cause is not "
@@ -161,6 +162,17 @@ def held_out_instead(before: str, now: str) -> str:
         f"{now} is held out, not {before}: {before} goes further than all others, and a curve that "
         "was learned from those at first said nothing about it."
     )
+
+
+def _of_own_sizes(final: Refit) -> list[str]:
+    """Says of which causes a size was estimated on the held-out recordings themselves."""
+    return [
+        f"{v.effect.id} has a size of its own in each recording: in held-out ones it was estimated "
+        "from their readings, within the scatter of the others; no run that is still to come is "
+        "known so well."
+        for v in final.variants
+        if v.effect.relative
+    ]
 
 
 def _of_drive_noise(setting: PreparedCampaign) -> list[str]:
