@@ -23,10 +23,6 @@ from tp_jax.estimation.variable_projection import fit
 
 log = logging.getLogger(__name__)
 
-ENOUGH = 0.1
-"""Promise of a step, of the sum of squares, at which a fit ends. Among kinks a promise is seldom
-kept: with twelve coefficients of a curve a fit went on for 25 passes more to gain 1.0."""
-
 WORSE = 10.0  # of the sum of squares, in the misfit's unit: more is a kink and not the friction
 
 
@@ -61,7 +57,6 @@ def fit_with_sharp_friction(
             bounds=setting.bounds if bounds is None else bounds,
             priors=before.priors,
             max_iterations=max_iterations,
-            tolerance=ENOUGH,
             relative=enough,
             kinks=True,
         )
