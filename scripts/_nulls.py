@@ -101,6 +101,7 @@ def look(kind: str, seed: int, version: str) -> Row:
 
 def _tested(kind: str, seed: int) -> dict[str, Any]:
     """The tests that a diagnosis makes of its baseline."""
+    from tp_jax.estimation.drive_errors import with_drives_of_angles
     from tp_jax.estimation.prepared_campaign import prepare_campaign
     from tp_jax.estimation.schedule import fit_over_schedule
     from tp_jax.estimation.sharpen import fit_with_sharp_friction
@@ -113,6 +114,7 @@ def _tested(kind: str, seed: int) -> dict[str, Any]:
 
     setting = prepare_campaign(_campaign(kind, seed))
     fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
+    setting, fit = with_drives_of_angles(setting, fit)
     setting, fit = with_noise_of(setting, fit, fit)
     fit = fit_with_sharp_friction(setting, fit)
     p = structure_test(screen(fit, setting, states=False), seed=0).p

@@ -99,3 +99,30 @@ def test_most_noisy_sines_are_found():
         true = swing(samples=800, omega=5.0 + 0.05 * seed)
         found += periodic(of(true + noise(true.size, 0.01, seed))) is not None
     assert found >= 194
+
+
+def test_a_coarse_reading_of_a_motor_that_stands():
+    """On the edge between two steps the readings jump by half a step about their mean."""
+    step = 0.5
+    rng = np.random.default_rng(2)
+    read = step * np.round((0.5 * step + 0.1 * step * rng.standard_normal(4000)) / step)
+    found = periodic(of(read))
+    assert found.harmonics == 0
+    assert np.ptp(found.values) == 0.0
+
+
+@pytest.mark.parametrize("second", [0.0, 0.02])
+def test_rounding_that_goes_with_the_motion(second):
+    """Hardly any noise: the steps' error repeats; a harmonic below a step is not lost for it."""
+    true = swing(samples=8000, omega=16.44, second=second)
+    step = 0.03 * 50.0 * AMPLITUDE
+    read = step * np.round((true + 0.02 * step * noise(true.size, 1.0)) / step)
+    found = periodic(of(read))
+    assert (found.values - true).std() < 0.25 * (read - true).std()
+
+
+def test_a_coarse_reading_of_a_motor_that_creeps():
+    true = np.linspace(0.0, 3.0, 4000)
+    found = periodic(of(np.round(true)))
+    assert found.harmonics, "it moves"
+    assert np.abs(found.values - true).max() < 0.5, "half a step, as it reads"

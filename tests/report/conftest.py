@@ -87,7 +87,6 @@ def explained() -> dict:
                 "predicted_shrink": p,
                 "realised_shrink": r,
                 "probability": q,
-                "z": 40.0 * p,
                 "note": None,
             }
             for e, p, r, q in zip(EFFECTS, predicted, realised, probability, strict=True)

@@ -15,6 +15,7 @@ variable_projection                  the one fit: its steps (coordinates, bounde
 projected_gauss_newton               variable projection as a solver of optimistix
 optimistix_methods                   that, Levenberg-Marquardt, Dogleg, BFGS, or a solver of the
                                      user's own, on one traced function (window_residuals)
+drive_errors                         noisy measured drives as the angles show them
 blocks, intervals, noise_levels      scatter of blocks, intervals, noise by channel
 free_runs                            the paper's objective (17), of many sets of numbers at once
 simplex, nelder_mead                 the paper's method, for optimistix, from one simplex or many;

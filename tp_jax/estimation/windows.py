@@ -85,11 +85,6 @@ def prepare(
         rests = still.rests & ~unknown
         smooth[rests, c], smooth[rests, 2 + c] = still.value[rests], 0.0
         sd[rests, c], sd[rests, 2 + c] = still.value_error[rests], still.rate_error[rests]
-    pieces = None
-    if recording.drive is not None:
-        # The piece across a gap is a guess that only free runs meet: no window lies there, and a
-        # few samples beside it the spline is that of the whole.
-        pieces = CubicSpline(recording.t, recording.drive).c.T
     path = smooth.copy()
     for c in np.flatnonzero(channels):
         error = float(np.median(sd[:, c]))
@@ -100,11 +95,20 @@ def prepare(
         channels,
         smooth,
         sd * PRIOR_INFLATION,
-        pieces,
+        pieces_of(recording),
         path,
         np.where(channels, sigma, 1.0),
         colour,
     )
+
+
+def pieces_of(recording: Recording) -> np.ndarray | None:
+    """Cubic coefficients (n - 1, 4) of a measured drive between the samples; None without one.
+
+    The piece across a gap is a guess that only free runs meet: no window lies there, and a few
+    samples beside it the spline is that of the whole.
+    """
+    return None if recording.drive is None else CubicSpline(recording.t, recording.drive).c.T
 
 
 def read_later(t: np.ndarray, pieces: np.ndarray, late: float) -> np.ndarray:

@@ -15,7 +15,7 @@ import dataclasses
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from tp_jax.recordings.noise import noise_level_and_error
+from tp_jax.recordings.noise import noise_level_and_error, quantum, steps_hide
 from tp_jax.recordings.recording import Recording
 
 
@@ -32,6 +32,9 @@ class DrivePolicy:
         chance: that noise has a line as high as is taken for one.
         slow: multiples of the drive's frequency up to which what is left must be white: the
             column's inertia lets through nothing faster. Rounding has lines beyond.
+        steps: of the readings, which what is left may reach where they hide the noise. Rounding
+            then goes with the motion: it has lines, and a motor that stands on the edge between
+            two steps reads further from its mean than noise does. Two steps apart it has moved.
         samples: below which nothing is said.
     """
 
@@ -40,6 +43,7 @@ class DrivePolicy:
     errors: float = 3.0
     chance: float = 1e-3
     slow: float = 8.0
+    steps: float = 1.25
     samples: int = 64
 
 
@@ -58,12 +62,15 @@ class PeriodicDrive:
         omega: its frequency [rad/s]; 0 where it stands.
         harmonics: how many it has.
         noise: of the readings, as a part of the amplitude of the drive.
+        errors: (n, q) changes of the values by one standard error of q independent numbers each:
+            combinations of the constant, the harmonics and the frequency.
     """
 
     values: np.ndarray
     omega: float
     harmonics: int
     noise: float
+    errors: np.ndarray
 
 
 def relative_noise(recording: Recording) -> float:
@@ -93,22 +100,27 @@ def periodic(recording: Recording, policy: DrivePolicy = POLICY) -> PeriodicDriv
     level, error = noise_level_and_error(t, y)
     middle = t - t.mean()
     constant = np.full(t.size, y.mean())
-    if _is_noise(t, y - constant, 1, level, error, 0.0, policy):
-        return PeriodicDrive(constant, 0.0, 0, noise)
+    if _is_noise(t, y - constant, 1, level, error, 0.0, policy) or _is_rounding(
+        y, y - constant, level, policy
+    ):
+        return PeriodicDrive(constant, 0.0, 0, noise, np.full((t.size, 1), level / t.size**0.5))
     first = _frequency(t, y)
     most = min(policy.harmonics, int(0.4 * np.pi / np.median(np.diff(t)) / first))
     if most < 1:
         return None
     # all harmonics at first: where they leave too much, fewer leave more, and the search is over
     omega = _best_frequency(middle, y, first, most)
+    enough = most
     for harmonics in (most, *range(1, most)):
         values = _values(middle, y, omega, harmonics)
         if _is_noise(t, y - values, 2 * harmonics + 2, level, error, omega, policy):
             if harmonics < most:
-                return PeriodicDrive(values, omega, harmonics, noise)
-        elif harmonics == most:
+                enough = harmonics
+                break
+        elif harmonics == most and not _is_rounding(y, y - values, level, policy):
             return None
-    return PeriodicDrive(_values(middle, y, omega, most), omega, most, noise)
+    values, errors = _values(middle, y, omega, enough), _errors(middle, y, omega, enough)
+    return PeriodicDrive(values, omega, enough, noise, level * errors)
 
 
 def without_drive_noise(recording: Recording, policy: DrivePolicy = POLICY) -> Recording:
@@ -128,9 +140,28 @@ def _frequency(t: np.ndarray, y: np.ndarray) -> float:
 
 def _values(t: np.ndarray, y: np.ndarray, omega: float, harmonics: int) -> np.ndarray:
     """Values (n,) of the best constant and harmonics of a frequency."""
+    A = _waves(t, omega, harmonics)
+    return A @ _best(A, y)
+
+
+def _errors(t: np.ndarray, y: np.ndarray, omega: float, harmonics: int) -> np.ndarray:
+    """Changes (n, 2 h + 2) of those values that noise of a unit makes, the frequency's too."""
+    A = _waves(t, omega, harmonics)
+    _, even, odd = np.split(_best(A, y), [1, 1 + harmonics])
+    order = np.arange(1, harmonics + 1)
+    rate = t * (A[:, 1:] @ np.concatenate([order * odd, -order * even]))  # by the frequency
+    return np.linalg.qr(np.column_stack([A, rate]))[0]
+
+
+def _waves(t: np.ndarray, omega: float, harmonics: int) -> np.ndarray:
+    """Columns (n, 2 h + 1): one, cosines, sines."""
     angle = omega * np.outer(t, np.arange(1, harmonics + 1))
-    A = np.concatenate([np.ones((t.size, 1)), np.cos(angle), np.sin(angle)], axis=1)
-    return A @ np.linalg.lstsq(A.T @ A, A.T @ y, rcond=1e-12)[0]
+    return np.concatenate([np.ones((t.size, 1)), np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _best(A: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Numbers by which columns come closest to readings."""
+    return np.linalg.lstsq(A.T @ A, A.T @ y, rcond=1e-12)[0]
 
 
 def _best_frequency(t: np.ndarray, y: np.ndarray, first: float, harmonics: int) -> float:
@@ -151,6 +182,11 @@ def _best_frequency(t: np.ndarray, y: np.ndarray, first: float, harmonics: int) 
         options={"xatol": 1e-6 * near},
     )
     return float(found.x)
+
+
+def _is_rounding(y: np.ndarray, left: np.ndarray, level: float, policy: DrivePolicy) -> bool:
+    """True where steps of the readings hide their noise, and no more than these is left."""
+    return steps_hide(y, level) and float(np.abs(left).max()) <= policy.steps * quantum(y)
 
 
 def _is_noise(

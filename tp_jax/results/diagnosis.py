@@ -215,14 +215,13 @@ class Candidate(Record):
     predicted_shrink: float | None = None
     realised_shrink: float | None = None
     probability: float | None = None
-    z: float | None = None
     p: float | None = None
     note: str | None = None
 
     @property
     def judged(self) -> bool:
         """True where anything is known of it."""
-        numbers = (self.predicted_shrink, self.realised_shrink, self.probability, self.z)
+        numbers = (self.predicted_shrink, self.realised_shrink, self.probability)
         return any(x is not None for x in numbers) or bool(self.note)
 
 

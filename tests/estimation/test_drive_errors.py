@@ -1,0 +1,93 @@
+"""Drives whose readings are noisy are put right by the angles, as far as noise may be wrong."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from tests import noisy
+from tp_jax.estimation.drive_errors import with_drives_of_angles
+from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.start import initial_values
+from tp_jax.recordings.drive_noise import periodic
+from tp_jax.rig import BENCH
+
+OMEGAS = (11.0, 13.0, 15.0)  # rad/s; near resonance, where a phase moves the column most
+RATE, NOISE, DRIVE_NOISE, GAIN = 100.0, 1.5e-4, 1.5e-2, 0.02
+
+
+def campaign(late: float = 0.0, seed: int = 0, measured: bool = True):
+    """Three driven runs of good angles, the drive read in counts, `late` seconds after them."""
+    rng = np.random.default_rng(seed)
+    whole = noisy.campaign(lambda rng, y, run: y, 0, (RATE,) * 4)
+    runs = []
+    for omega in OMEGAS:
+        t, y = noisy.motion(omega, RATE)
+        y = y + NOISE * rng.standard_normal(y.shape)
+        drive = BENCH.A * (np.sin(omega * (t - late)) + DRIVE_NOISE * rng.standard_normal(t.size))
+        runs.append(
+            dataclasses.replace(
+                whole.recordings[1],
+                name=f"run-{omega:.0f}.csv",
+                label=f"run-{omega:.0f}",
+                t=t,
+                phi1=y[:, 0],
+                phi2=y[:, 1],
+                drive=drive / GAIN + 300.0 if measured else None,
+                omega=None if measured else omega,
+            )
+        )
+    return dataclasses.replace(whole, recordings=tuple(runs))
+
+
+def fitted(runs):
+    setting = prepare_campaign(runs)
+    return setting, fit_over_schedule(setting, initial_values(setting), setting.unknowns())
+
+
+def phase(t, drive, omega):
+    """Phase [rad] of a drive that was sin(omega t)."""
+    waves = np.column_stack([np.sin(omega * t), np.cos(omega * t), np.ones(t.size)])
+    a, b, _ = np.linalg.lstsq(waves, drive, rcond=None)[0]
+    return float(np.arctan2(b, a))
+
+
+def test_angles_put_the_phases_right():
+    runs = campaign()
+    setting, baseline = fitted(runs)
+    found, fit = with_drives_of_angles(setting, baseline)
+    before = [phase(r.t, r.drive, w) for r, w in zip(setting.recordings, OMEGAS, strict=True)]
+    after = [phase(r.t, r.drive, w) for r, w in zip(found.recordings, OMEGAS, strict=True)]
+    assert np.abs(before).max() > 4e-4
+    assert np.abs(after).max() < 0.4 * np.abs(before).max()
+    # twelve numbers take twelve of noise
+    assert fit.cost < baseline.cost - 50.0
+
+
+def test_a_drive_that_is_late_is_not_wrong_by_its_noise():
+    setting, baseline = fitted(campaign(late=8e-3))
+    found, fit = with_drives_of_angles(setting, baseline)
+    assert found is setting
+    assert fit is baseline
+
+
+def test_a_commanded_drive_has_no_readings_to_be_wrong():
+    setting, baseline = fitted(campaign(measured=False))
+    assert with_drives_of_angles(setting, baseline) == (setting, baseline)
+
+
+@pytest.mark.parametrize("omega", OMEGAS)
+def test_errors_are_those_of_least_squares(omega):
+    """Of two hundred readings of one drive, the values scatter as `errors` say."""
+    t = np.arange(400) / RATE
+    true = BENCH.A * np.sin(omega * t + 0.4)
+    rng = np.random.default_rng(3)
+    run = campaign().recordings[0]
+    off, said = [], []
+    for _ in range(200):
+        read = true + DRIVE_NOISE * BENCH.A * rng.standard_normal(t.size)
+        drive = periodic(dataclasses.replace(run, t=t, phi1=t, phi2=t, drive=read))
+        off.append((drive.values - true) @ drive.values)
+        said.append(np.linalg.norm(drive.errors.T @ drive.values))
+    assert np.std(off) == pytest.approx(np.median(said), rel=0.15)
