@@ -43,14 +43,13 @@ def served(folder):
     thread.join()
 
 
-@pytest.fixture(params=[(screen, scheme) for screen in SCREENS for scheme in ("light", "dark")])
+@pytest.fixture(params=SCREENS)
 def seen(request, chromium, served):
     """The page on a screen."""
-    screen, scheme = request.param
-    width, height = SCREENS[screen]
-    page = chromium.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
+    width, height = SCREENS[request.param]
+    page = chromium.new_page(viewport={"width": width, "height": height})
     page.set_default_timeout(PATIENCE)
-    yield Seen(page, served.address), f"{screen}-{scheme}"
+    yield Seen(page, served.address), request.param
     page.close()
 
 
@@ -60,10 +59,14 @@ def drop(page, files: list[Path]) -> None:
 
 
 def reads_well(seen: Seen, name: str) -> None:
-    assert seen.axe() == []
-    assert not seen.too_wide
-    if os.environ.get(PICTURES):
-        seen.page.screenshot(path=f"{os.environ[PICTURES]}/{name}.png", full_page=True)
+    """In light and in dark, of the same page: whoever looks may change that at any time."""
+    for scheme in ("dark", "light"):
+        seen.page.emulate_media(color_scheme=scheme)
+        assert seen.axe() == []
+        assert not seen.too_wide
+        if os.environ.get(PICTURES):
+            picture = f"{os.environ[PICTURES]}/{name}-{scheme}.png"
+            seen.page.screenshot(path=picture, full_page=True)
 
 
 def test_from_dropped_files_to_a_report(seen, served, folder):
