@@ -79,15 +79,35 @@ def test_a_commanded_drive_has_no_readings_to_be_wrong():
 
 @pytest.mark.parametrize("omega", OMEGAS)
 def test_errors_are_those_of_least_squares(omega):
-    """Of two hundred readings of one drive, the values scatter as `errors` say."""
+    """Of two hundred readings of one drive, the true one is as far off as four normal numbers."""
     t = np.arange(400) / RATE
     true = BENCH.A * np.sin(omega * t + 0.4)
     rng = np.random.default_rng(3)
     run = campaign().recordings[0]
-    off, said = [], []
+    off = []
     for _ in range(200):
         read = true + DRIVE_NOISE * BENCH.A * rng.standard_normal(t.size)
         drive = periodic(dataclasses.replace(run, t=t, phi1=t, phi2=t, drive=read))
-        off.append((drive.values - true) @ drive.values)
-        said.append(np.linalg.norm(drive.errors.T @ drive.values))
-    assert np.std(off) == pytest.approx(np.median(said), rel=0.15)
+        z = np.linalg.lstsq(drive.errors, true - drive.values)[0]
+        np.testing.assert_allclose(drive.moved(z), true, atol=1e-4 * BENCH.A)
+        off.append(z @ z)
+    assert np.mean(off) == pytest.approx(4.0, rel=0.15)
+
+
+def test_errors_of_rounding_do_not_fall_with_every_period():
+    """Coarse readings with hardly any noise; of the true drive they are off by a few at most."""
+    rng = np.random.default_rng(5)
+    run = campaign().recordings[0]
+    t = np.arange(8000) / RATE
+    off = []
+    for size in np.linspace(2.0, 8.0, 20):
+        true = size * np.sin(OMEGAS[1] * t + size)
+        drive = periodic(
+            dataclasses.replace(
+                run, t=t, phi1=t, phi2=t, drive=np.round(true + 0.05 * rng.standard_normal(t.size))
+            )
+        )
+        z = np.linalg.lstsq(drive.errors, true - drive.values)[0]
+        off.append(float(z @ z) / z.size)
+    assert np.median(off) < 1.5
+    assert max(off) < 4.0

@@ -8,7 +8,9 @@ numbers of each drive are estimated anew with the baseline, from readings and an
 Gauss-Newton step, with what the readings leave open as the prior.
 
 A drive that would have to move further than noise explains is not wrong by its noise: it stays as
-it reads, and what differs is left to the effects (`drive_delay`, `drive_harmonics`).
+it reads, and what differs is left to the effects (`drive_delay`, `drive_harmonics`). So do all of
+them where together they would move further, as under a delay that all runs have. The angles count
+for less where the baseline leaves more than noise, since some of that is a gap.
 """
 
 import dataclasses
@@ -22,7 +24,6 @@ from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
-from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.estimation.windows import pieces_of
 from tp_jax.recordings import thinned
@@ -31,6 +32,7 @@ from tp_jax.recordings.drive_noise import PeriodicDrive, periodic
 log = logging.getLogger(__name__)
 
 CHANCE = 1e-3  # that noise moves the numbers of a drive further than is taken for its doing
+TOLD = 1e-3  # part of a number's variance from which on the angles tell of it
 
 
 def with_drives_of_angles(setting: PreparedCampaign, baseline: Fit) -> tuple[PreparedCampaign, Fit]:
@@ -47,29 +49,48 @@ def with_drives_of_angles(setting: PreparedCampaign, baseline: Fit) -> tuple[Pre
     drives = {i: drive for i, drive in found.items() if drive is not None and drive.harmonics}
     if not drives:
         return setting, baseline
-    moved = {}
-    for i, z in _numbers(setting, baseline, drives).items():
-        log.info("drive of %s: moved by %s standard errors", setting.recordings[i].name, z)
-        if float(z @ z) < stats.chi2.isf(CHANCE, z.size):
-            moved[i] = drives[i].values + drives[i].errors @ z
-    if not moved:
+    moves = _moves(setting, baseline, drives)
+    tests = {i: _test(move) for i, move in moves.items()}
+    every = float(stats.chi2.sf(*np.sum(list(tests.values()), axis=0))) if tests else 0.0
+    log.info("drives moved [standard errors]: %s, p of all %.3g", moves, every)
+    kept = [i for i, test in tests.items() if stats.chi2.sf(*test) > CHANCE and every > CHANCE]
+    if not kept:
         return setting, baseline
-    setting = _with_drives(setting, moved)
-    return setting, fit(
-        setting.problem(baseline.problem.windows.horizon),
+    moved = _with_drives(setting, {i: drives[i].moved(moves[i].numbers) for i in kept})
+    found = fit(
+        moved.problem(baseline.problem.windows.horizon),
         baseline.values,
         baseline.unknowns,
         baseline.states,
-        bounds=setting.bounds,
+        bounds=moved.bounds,
         priors=baseline.priors,
         relative=1e-7,
     )
+    pull = sum(float(moves[i].numbers @ moves[i].numbers) for i in kept)
+    # a step along kinks may not keep what its slope promised
+    return (moved, found) if found.cost + pull < baseline.cost else (setting, baseline)
 
 
-def _numbers(
+@dataclasses.dataclass(frozen=True)
+class _Move:
+    """Moves (q,) of the numbers of a drive [standard errors], and their covariance (q, q) where
+    noise alone makes them."""
+
+    numbers: np.ndarray
+    scatter: np.ndarray
+
+
+def _test(move: _Move) -> tuple[float, int]:
+    """Sum of squares of a move in units of its scatter, and of how many numbers the angles tell."""
+    value, vector = np.linalg.eigh(move.scatter)
+    told = value > TOLD
+    return float(((vector[:, told].T @ move.numbers) ** 2 / value[told]).sum()), int(told.sum())
+
+
+def _moves(
     setting: PreparedCampaign, baseline: Fit, drives: dict[int, PeriodicDrive]
-) -> dict[int, np.ndarray]:
-    """Moves (q,) of the numbers of each drive [standard errors], all unknowns moving with them."""
+) -> dict[int, _Move]:
+    """Moves of each drive, all unknowns moving with them; none where one cannot be integrated."""
     problem, lin = baseline.problem, baseline.linearisation
     most = max(drive.errors.shape[1] for drive in drives.values())
     names = [f"drive number {j}" for j in range(most)]
@@ -77,8 +98,11 @@ def _numbers(
     answers = []
     for j in range(most):
         other = {i: d.values + d.errors[:, j] for i, d in drives.items() if j < d.errors.shape[1]}
-        there = _through(problem, _with_drives(setting, other))
-        answers.append(there.linearise(baseline.values, baseline.states, ()).r - lin.r)
+        there = dataclasses.replace(problem, prepared=_with_drives(setting, other).prepared)
+        answer = there.linearise(baseline.values, baseline.states, ())
+        if not answer.complete.all():
+            return {}
+        answers.append(answer.r - lin.r)
     wide = dataclasses.replace(
         lin,
         slots=(*lin.slots, *names),
@@ -88,18 +112,19 @@ def _numbers(
     added = [u for mine in own.values() for u in mine]
     unknowns = (*baseline.unknowns, *added)
     told, alone = eliminated(wide, unknowns).summed(), baseline.normal()
-    g = np.concatenate([alone.g, told.g[len(baseline.unknowns) :]])
-    information = told.H + np.diag([*alone.prior, *np.ones(len(added))])
+    misfit = max(baseline.chi2_dof, 1.0)
+    g = np.concatenate([alone.g, told.g[len(baseline.unknowns) :]]) / misfit
+    information = (told.H + np.diag([*alone.prior, *np.zeros(len(added))])) / misfit
+    information += np.diag([*np.zeros(len(baseline.unknowns)), *np.ones(len(added))])
     free = np.flatnonzero([*~baseline.at_bound, *np.ones(len(added), dtype=bool)])
-    step = np.zeros(len(unknowns))
-    step[free] = -scaled_inverse(information[np.ix_(free, free)]) @ g[free]
-    place = {u: step[k] for k, u in enumerate(unknowns)}
-    return {i: np.array([place[u] for u in mine]) for i, mine in own.items()}
-
-
-def _through(problem: Problem, setting: PreparedCampaign) -> Problem:
-    """The same windows of a campaign that differs in its drives."""
-    return dataclasses.replace(problem, prepared=setting.prepared)
+    covariance = np.zeros(information.shape)
+    covariance[np.ix_(free, free)] = scaled_inverse(information[np.ix_(free, free)])
+    place = {u: k for k, u in enumerate(unknowns)}
+    mine = {i: [place[u] for u in names] for i, names in own.items()}
+    step = -covariance @ g
+    return {
+        i: _Move(step[at], np.eye(len(at)) - covariance[np.ix_(at, at)]) for i, at in mine.items()
+    }
 
 
 def _with_drives(setting: PreparedCampaign, values: dict[int, np.ndarray]) -> PreparedCampaign:

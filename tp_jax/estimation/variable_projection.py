@@ -138,9 +138,6 @@ def fit(
         # are not worth a step.
         unit = max(cost / dof, 1.0)
         enough = max(tolerance, NOTHING * unit, relative * cost)
-        # Kinks refuse what the slope promises. Shorter steps promise less and less, and go on for a
-        # dozen passes after none could be worth one.
-        least = enough if kinks else 0.0
         promise = normal.step(*box).promise
         if not settled:
             if promise < enough <= promise + gains.sum():
@@ -188,7 +185,7 @@ def fit(
                     damping *= 3.0
                 elif not refused:  # what was too bold just now would be so again
                     damping = max(damping * (0.1 if gain > 0.7 else 0.5), 1e-9)
-            elif promise < NOISE * enough or step.promise + promised < least or damping > 1e6:
+            elif promise < NOISE * enough or damping > 1e6:
                 converged, message = True, "No direction improves the fit."
                 break
             elif passes > max_iterations:
@@ -198,6 +195,11 @@ def fit(
                 put_right(values, at, lin, SETTLED * unit)
                 cost = lin.cost() + prior_cost(priors, unknowns, space.of(x))
                 settled = again = True
+                break
+            elif kinks and step.promise < enough:
+                # Kinks refuse what the slope promises. Shorter steps promise less and less, and
+                # would go on for a dozen passes after none could be worth one.
+                converged, message = True, "No direction improves the fit."
                 break
             else:
                 refused, damping = True, 10.0 * max(damping, 1e-4)

@@ -32,9 +32,9 @@ class DrivePolicy:
         chance: that noise has a line as high as is taken for one.
         slow: multiples of the drive's frequency up to which what is left must be white: the
             column's inertia lets through nothing faster. Rounding has lines beyond.
-        steps: of the readings, which what is left may reach where they hide the noise. Rounding
-            then goes with the motion: it has lines, and a motor that stands on the edge between
-            two steps reads further from its mean than noise does. Two steps apart it has moved.
+        steps: of the readings, which what all harmonics leave may reach where they hide the noise.
+            Rounding then goes with the motion, and has lines. It leaves half a step, and little
+            noise turns a reading over by another half.
         samples: below which nothing is said.
     """
 
@@ -72,6 +72,10 @@ class PeriodicDrive:
     noise: float
     errors: np.ndarray
 
+    def moved(self, numbers: np.ndarray) -> np.ndarray:
+        """Values (n,) with its numbers (q,) moved by standard errors."""
+        return self.values + self.errors @ numbers
+
 
 def relative_noise(recording: Recording) -> float:
     """Noise of a measured drive as a part of its amplitude; 0 where none is measured, or moves."""
@@ -100,10 +104,11 @@ def periodic(recording: Recording, policy: DrivePolicy = POLICY) -> PeriodicDriv
     level, error = noise_level_and_error(t, y)
     middle = t - t.mean()
     constant = np.full(t.size, y.mean())
-    if _is_noise(t, y - constant, 1, level, error, 0.0, policy) or _is_rounding(
-        y, y - constant, level, policy
-    ):
-        return PeriodicDrive(constant, 0.0, 0, noise, np.full((t.size, 1), level / t.size**0.5))
+    coarse = steps_hide(y, level)
+    # on the edge between two steps the readings of a motor at rest jump by half of one
+    still = max(level, 0.5 * quantum(y)) if coarse else level
+    if _is_noise(t, y - constant, 1, still, error, 0.0, policy):
+        return PeriodicDrive(constant, 0.0, 0, noise, np.full((t.size, 1), still / t.size**0.5))
     first = _frequency(t, y)
     most = min(policy.harmonics, int(0.4 * np.pi / np.median(np.diff(t)) / first))
     if most < 1:
@@ -117,10 +122,11 @@ def periodic(recording: Recording, policy: DrivePolicy = POLICY) -> PeriodicDriv
             if harmonics < most:
                 enough = harmonics
                 break
-        elif harmonics == most and not _is_rounding(y, y - values, level, policy):
+        elif harmonics == most and not (coarse and _is_rounding(y, y - values, policy)):
             return None
     values, errors = _values(middle, y, omega, enough), _errors(middle, y, omega, enough)
-    return PeriodicDrive(values, omega, enough, noise, level * errors)
+    size = _repeating(y, level, max(omega * np.ptp(t) / (2.0 * np.pi), 1.0))
+    return PeriodicDrive(values, omega, enough, noise, size * errors)
 
 
 def without_drive_noise(recording: Recording, policy: DrivePolicy = POLICY) -> Recording:
@@ -184,9 +190,27 @@ def _best_frequency(t: np.ndarray, y: np.ndarray, first: float, harmonics: int) 
     return float(found.x)
 
 
-def _is_rounding(y: np.ndarray, left: np.ndarray, level: float, policy: DrivePolicy) -> bool:
-    """True where steps of the readings hide their noise, and no more than these is left."""
-    return steps_hide(y, level) and float(np.abs(left).max()) <= policy.steps * quantum(y)
+def _repeating(y: np.ndarray, level: float, periods: float) -> float:
+    """Noise of readings as it counts for what is the same in every period.
+
+    Rounding comes again with each of them, so that more tell no more of it, but for the part that
+    other noise has spread: exp(-4 pi^2 s^2 / step^2) of its variance is left of it beside noise of
+    standard deviation s.
+
+    Source: Widrow, Kollar and Liu (1996), IEEE Trans. Instrum. Meas. 45, 353-361.
+    """
+    step = quantum(y)
+    if not step:
+        return level
+    rounding = step**2 / 12.0
+    other = max(level**2 - rounding, 0.0)
+    again = rounding * np.exp(-4.0 * np.pi**2 * other / step**2)
+    return float(np.sqrt(level**2 + (periods - 1.0) * again))
+
+
+def _is_rounding(y: np.ndarray, left: np.ndarray, policy: DrivePolicy) -> bool:
+    """True where no more is left than steps of the readings make."""
+    return float(np.abs(left).max()) <= policy.steps * quantum(y)
 
 
 def _is_noise(
