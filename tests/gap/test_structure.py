@@ -144,3 +144,21 @@ def test_the_level_holds_with_few_blocks(n_blocks):
     p = np.array([structure_test(fitted_noise(rng, n_blocks), seed=i).p for i in range(n)])
     # three standard errors of a rate of .05 in so many, over the .015 that it may be off
     assert abs((p < 0.05).mean() - 0.05) < 0.015 + 3.0 * np.sqrt(0.05 * 0.95 / n)
+
+
+class Repeating:
+    """Errors of rounding that come again with the motion: each candidate's, alike in all blocks."""
+
+    def scores(self, rng, count):
+        return np.tile(rng.normal(size=(1, 10, count)), (40, 1, 1))
+
+
+@pytest.mark.parametrize(("size", "there"), [(1.0, False), (20.0, True)])
+def test_far_more_than_rounding_is_structure(size, there):
+    """However unlike in its blocks: what repeats of rounding is as large as the steps are."""
+    rng = np.random.default_rng(7)
+    plain = with_effect(rng, 0.0)
+    blocks = np.concatenate([s.blocks for s in plain.scored], axis=1)
+    blocks[:, 3] = size * (1.0 + 1.5 * rng.normal(size=40))
+    seen = as_screen(blocks, np.tile(np.eye(10), (40, 1, 1)), [1] * 10, rounding=Repeating())
+    assert (structure_test(seen, seed=0).p < 0.01) == there

@@ -33,6 +33,10 @@ CHUNK = 250  # draws at a time at most
 NUMBERS = 30_000_000  # of scores at a time: 240 MB
 LENT = 20  # what the other effects say of phi counts as much as so many blocks
 LEAST = 1e-300  # p: a logarithm of less there is none
+#: phi at most, where readings are coarse. Their noise is drawn as it is, its size and what of it
+#: repeats, so that blocks that scatter by ten times as much say that something else is there. A
+#: hysteresis that took 2,600 of a sum of squares passed for rounding: phi left 67 of that.
+MOST_OF_ROUNDING = 10.0
 TELLING = 1e-3  # of the mean block's information: a block with less says nothing of an effect
 
 
@@ -55,9 +59,10 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     if not seen.scored:
         return Structure(1.0, np.ones(0), 0)
     blocks, forms = _observed(seen)
-    observed = _statistics(blocks[:, :, None], forms)[:, 0]
+    most = np.inf if seen.rounding is None else MOST_OF_ROUNDING
+    observed = _statistics(blocks[:, :, None], forms, most)[:, 0]
     largest = np.concatenate(
-        [_statistics(drawn, forms).max(axis=0) for drawn in scores_of_noise(seen, seed)]
+        [_statistics(drawn, forms, most).max(axis=0) for drawn in scores_of_noise(seen, seed)]
     )
     p = (1.0 + (largest[None, :] >= observed[:, None]).sum(axis=1)) / (largest.size + 1.0)
     return Structure(float(p.min()), p, largest.size)
@@ -196,8 +201,8 @@ def _phi(spread: np.ndarray, count: np.ndarray) -> np.ndarray:
     return (spread + LENT * usual) / (count + LENT)
 
 
-def _statistics(blocks: np.ndarray, forms: _Forms) -> np.ndarray:
-    """-log p of F of every variant (variants, draws), from scores (B, E, draws)."""
+def _statistics(blocks: np.ndarray, forms: _Forms, most: float) -> np.ndarray:
+    """-log p of F of every variant (variants, draws), from scores (B, E, draws); phi at most so."""
     rank, count = forms.rank, forms.count
     explained = np.zeros((len(rank), blocks.shape[2]))
     spread = np.zeros_like(explained)
@@ -206,7 +211,7 @@ def _statistics(blocks: np.ndarray, forms: _Forms) -> np.ndarray:
         total = totals[columns]  # (v, q, draws)
         explained[which] = (inverse @ total * total).sum(axis=1)
         spread[which] = _spread(blocks, columns, whiten)
-    phi = _phi(spread, count)
+    phi = np.minimum(_phi(spread, count), most)
     F = explained / np.maximum(rank * phi, 1e-300)
     # one scale for effects of different numbers of amplitudes; exactness is not needed
     nobody = (rank == 0) | (count + LENT <= rank)
