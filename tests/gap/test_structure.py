@@ -22,8 +22,7 @@ def as_screen(blocks, V, sizes, **known):
         Screen,
         scored=scored,
         information=V.sum(axis=0),
-        rounding=None,
-        **{"by_block": whole(V), "covariance": np.zeros((0, 0)), **known},
+        **{"by_block": whole(V), "covariance": np.zeros((0, 0)), "rounding": None, **known},
     )
 
 
