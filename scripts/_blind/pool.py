@@ -111,7 +111,9 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     )
     add_executor(parser)
     parser.add_argument(
-        "--version", metavar="V", help="whose tables are shown (default the last one tried)"
+        "--version",
+        metavar="V,…",
+        help="whose tables are shown, together (default the last one tried)",
     )
     parser.add_argument("--markdown", metavar="F", help="gets the tables, replacing it")
     parser.add_argument(
@@ -368,7 +370,7 @@ def shown(args: argparse.Namespace, rows: Sequence[Row]) -> None:
     pages = [Sheet(title, HEADS, by_version(rows))]
     if args.score:
         version = args.version or rows[-1].version
-        mine = [row for row in rows if row.version.startswith(version)]
+        mine = [row for row in rows if row.version.startswith(tuple(version.split(",")))]
         if not mine:
             raise InputError(f"The pool {args.name} has no rigs of the version {version}.")
         scored = summary([judged_of(row) for row in mine])

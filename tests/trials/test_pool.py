@@ -96,6 +96,9 @@ def test_versions_are_counted_apart(pools, monkeypatch, capsys):
     # all tables are of the version that was tried last
     assert "\n3 cases:\n" in told
     assert "| false alarms, nothing hidden | 0.00 (0.00–0.66), n 2 | – |" in told
+    # and of several together, where they are asked for
+    assert main(["pool", "demo", "--score", "--version", "v1,v2"]) == 0
+    assert "\n6 cases:\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
