@@ -53,7 +53,8 @@ LITTLE = 0.5  # of the noise's variance: less is looked at with sharp friction t
 FURTHER = 60  # steps more of a polish that has not ended
 ALTERNATIVES = 3  # effects that are asked for confirmation in one round
 #: samples above which a refit beside causes has a program of its own. To compile it takes 5 CPU s,
-#: to load it 1.5; a pass over 15,000 samples by the program that all share, .14 instead of .04.
+#: to load it 1.5; a pass over 15,000 samples by the program that all share, .14 instead of .04. So
+#: from there on fifteen passes cost more than to compile.
 OWN_PROGRAM = 50_000
 PAIR = 1.1  # times what the best effect promises: two that promise more are both refitted
 
