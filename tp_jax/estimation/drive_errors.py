@@ -31,8 +31,22 @@ from tp_jax.recordings.drive_noise import PeriodicDrive, periodic
 
 log = logging.getLogger(__name__)
 
-CHANCE = 1e-3  # that noise moves the numbers of a drive further than is taken for its doing
-TOLD = 1e-3  # part of a number's variance from which on the angles tell of it
+
+@dataclasses.dataclass(frozen=True)
+class DriveErrorsPolicy:
+    """Conditions under which a drive is put right.
+
+    Attributes:
+        chance: that noise moves the numbers of a drive, or of all of them, further than is taken
+            for its doing; one campaign in a thousand keeps its drives as they are for nothing.
+        told: part of a number's variance that angles tell, below which a move of it is rounding.
+    """
+
+    chance: float = 1e-3
+    told: float = 1e-3
+
+
+POLICY = DriveErrorsPolicy()
 
 
 def with_drives_of_angles(setting: PreparedCampaign, baseline: Fit) -> tuple[PreparedCampaign, Fit]:
@@ -53,7 +67,7 @@ def with_drives_of_angles(setting: PreparedCampaign, baseline: Fit) -> tuple[Pre
     tests = {i: _test(move) for i, move in moves.items()}
     every = float(stats.chi2.sf(*np.sum(list(tests.values()), axis=0))) if tests else 0.0
     log.info("drives moved [standard errors]: %s, p of all %.3g", moves, every)
-    kept = [i for i, test in tests.items() if stats.chi2.sf(*test) > CHANCE and every > CHANCE]
+    kept = [i for i, test in tests.items() if min(stats.chi2.sf(*test), every) > POLICY.chance]
     if not kept:
         return setting, baseline
     moved = _with_drives(setting, {i: drives[i].moved(moves[i].numbers) for i in kept})
@@ -83,7 +97,7 @@ class _Move:
 def _test(move: _Move) -> tuple[float, int]:
     """Sum of squares of a move in units of its scatter, and of how many numbers the angles tell."""
     value, vector = np.linalg.eigh(move.scatter)
-    told = value > TOLD
+    told = value > POLICY.told
     return float(((vector[:, told].T @ move.numbers) ** 2 / value[told]).sum()), int(told.sum())
 
 

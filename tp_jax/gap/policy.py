@@ -91,6 +91,10 @@ class StructurePolicy:
             three standard errors.
         colour: relative error of the spectral density of coloured noise, which is an estimate with
             two numbers; white noise is known better than any test here asks.
+        rounding: how much the blocks may scatter beyond noise, as a ratio of variances, where
+            readings are coarse. Their noise is drawn as it is, its size and what of it repeats, so
+            that more says that something else is there. On rigs with nothing hidden it is 1 to 7;
+            a hysteresis that took 2,600 of a sum of squares passed for rounding at 39.
     """
 
     level: float = 0.05
@@ -99,6 +103,7 @@ class StructurePolicy:
     free: float = 0.485
     misfit: float = 0.03
     colour: float = 0.3
+    rounding: float = 10.0
 
     @property
     def seen(self) -> float:

@@ -25,6 +25,7 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.normal_equations import efficient_inverse
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.screen import Screen
 
 DRAWS = 2000
@@ -33,10 +34,6 @@ CHUNK = 250  # draws at a time at most
 NUMBERS = 30_000_000  # of scores at a time: 240 MB
 LENT = 20  # what the other effects say of phi counts as much as so many blocks
 LEAST = 1e-300  # p: a logarithm of less there is none
-#: phi at most, where readings are coarse. Their noise is drawn as it is, its size and what of it
-#: repeats, so that blocks that scatter by ten times as much say that something else is there. A
-#: hysteresis that took 2,600 of a sum of squares passed for rounding: phi left 67 of that.
-MOST_OF_ROUNDING = 10.0
 TELLING = 1e-3  # of the mean block's information: a block with less says nothing of an effect
 
 
@@ -59,7 +56,7 @@ def structure_test(seen: Screen, seed: int) -> Structure:
     if not seen.scored:
         return Structure(1.0, np.ones(0), 0)
     blocks, forms = _observed(seen)
-    most = np.inf if seen.rounding is None else MOST_OF_ROUNDING
+    most = np.inf if seen.rounding is None else POLICY.structure.rounding
     observed = _statistics(blocks[:, :, None], forms, most)[:, 0]
     largest = np.concatenate(
         [_statistics(drawn, forms, most).max(axis=0) for drawn in scores_of_noise(seen, seed)]
