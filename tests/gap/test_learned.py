@@ -57,11 +57,27 @@ def test_a_formula_that_takes_nearly_all_is_not_replaced(left, asked, monkeypatc
     monkeypatch.setattr(learned, "polish", lambda setting, result: result)
     monkeypatch.setattr(learned, "_tried", lambda *args: calls.append(args) or [])
     best = SimpleNamespace(fit=Left(left), ids=("spring_hardening",))
-    seen = SimpleNamespace(scored=())
+    seen = SimpleNamespace(scored=(), pair=lambda: None)
     searched = Left(100_000.0)
     r = SimpleNamespace(refits={"a": best}, searched=searched, before=searched, screen=seen)
     assert learned._alone(None, r, lambda *_: None, None) == []
     assert bool(calls) == asked
+
+
+@pytest.mark.parametrize(("pair", "least"), [(3000.0, 1486.0), (1000.0, 600.0)])
+def test_two_formulas_that_promise_more_are_asked_before_a_law(pair, least, monkeypatch):
+    """The best one promises 1,200; of what the pair does, a charge for the choice is taken off."""
+    asked = []
+    monkeypatch.setattr(learned, "polish", lambda setting, result: result)
+    monkeypatch.setattr(learned, "_tried", lambda *args: asked.append(args[-1]) or [])
+    one = SimpleNamespace(drop=1200.0, variant=SimpleNamespace(unknowns=("a",)))
+    two = SimpleNamespace(drop=10.0, variant=SimpleNamespace(unknowns=("a", "b")))
+    seen = SimpleNamespace(scored=(one, two), pair=lambda: (one, two, pair))
+    searched = Left(100_000.0)
+    best = SimpleNamespace(fit=Left(2000.0), ids=("spring_asymmetry",))
+    r = SimpleNamespace(refits={"a": best}, searched=searched, before=searched, screen=seen)
+    assert learned._alone(None, r, lambda *_: None, None) == []
+    assert asked == [least]
 
 
 def round_of(*drops, p=0.5):

@@ -25,7 +25,7 @@ from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.choice import FURTHER, Choice, Round, choose, confirmed, looked_at, tried
 from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
-from tp_jax.gap.earning import earned
+from tp_jax.gap.earning import LIKELIER, PER_AMPLITUDE, earned
 from tp_jax.gap.misfit import misfits
 from tp_jax.gap.policy import POLICY, LearningPolicy
 from tp_jax.gap.refit import (
@@ -91,7 +91,12 @@ def choose_or_learn(
 def _alone(
     setting: PreparedCampaign, r: Round, progress: Progress, known: Refit | None
 ) -> list[_Trial]:
-    """The law that leaves noise alone where every formula leaves more, or none."""
+    """The law that leaves noise alone where every formula leaves more, or none.
+
+    Two formulas that promise as much as the law's evidence are asked for before it: a curve over
+    the column's angle can take what a drive and a spring do where the recordings went, and
+    predicts others wrong.
+    """
     best = min(r.refits.values(), key=lambda x: removable(x.fit), default=Refit(r.searched, ()))
     little = POLICY.learning.rest * removable(r.searched)
     if removable(best.fit) < max(_worth_asking(best.fit), little):
@@ -100,9 +105,10 @@ def _alone(
         best = polish(setting, best)
         if removable(best.fit) < max(_worth_asking(best.fit), little):
             return []
+    least = max(_promised(r), _promised_by_two(r))
     return [
         trial
-        for trial in _tried(setting, r, Refit(r.searched, ()), progress, known, 1, _promised(r))
+        for trial in _tried(setting, r, Refit(r.searched, ()), progress, known, 1, least)
         if _nothing_left(trial.result.fit)
         and removable(trial.result.fit) < POLICY.learning.part * removable(best.fit)
     ]
@@ -111,6 +117,16 @@ def _alone(
 def _promised(r: Round) -> float:
     """Log evidence that the best formula could have at most, by the screen of a round."""
     drop = max((s.drop for s in r.screen.scored), default=0.0)
+    return drop / (2.0 * max(r.before.chi2_dof, 1.0))
+
+
+def _promised_by_two(r: Round) -> float:
+    """The same of the best two together, less what is asked of a pair for being chosen."""
+    pair = r.screen.pair()
+    if pair is None:
+        return 0.0
+    a, b, drop = pair
+    drop -= LIKELIER + PER_AMPLITUDE * (len(a.variant.unknowns) + len(b.variant.unknowns))
     return drop / (2.0 * max(r.before.chi2_dof, 1.0))
 
 

@@ -175,12 +175,13 @@ def coarse_drop(before: Fit) -> float:
 def refit_shape_constants(
     setting: PreparedCampaign, before: Fit, trial: Refit, max_iterations: int = 15
 ) -> Refit:
-    """The same effects, the last one's continuous shape constants fitted too.
+    """The same effects, their continuous shape constants fitted too.
 
-    A point of the grid may be far enough from the truth to look like another effect.
+    A point of the grid may be far enough from the truth to look like another effect. So may the
+    shape of an earlier cause, which was found without the last one and took part of it: fitted
+    again beside some candidates and not beside others, it would decide between them.
     """
-    last = trial.variants[-1]
-    if not any(s.continuous for s in last.effect.shapes):
+    if not any(s.continuous for v in trial.variants for s in v.effect.shapes):
         return trial
     unknowns, bounds = with_shapes(setting, trial)
     found = _again(
@@ -221,11 +222,11 @@ def inside_bounds(problem: Problem, stuck: Sequence[Unknown]) -> dict[str, float
 def polish(setting: PreparedCampaign, result: Refit, max_iterations: int = 25) -> Refit:
     """Takes a refit to its optimum: shape constants freed, parameters moved off their bounds.
 
-    Continuous shape constants of the last effect are freed from where the grid left them. A
-    parameter that a wrong model had pushed to a bound may be held there by another. So it is held
-    inside while the others find their place; only if it would go further in from there than back to
-    the bound, it is freed, and kept where it does better. Where no more is left than chance leaves,
-    there is nothing to be found.
+    Continuous shape constants of all effects are freed from where they were left. A parameter that
+    a wrong model had pushed to a bound may be held there by another. So it is held inside while the
+    others find their place; only if it would go further in from there than back to the bound, it is
+    freed, and kept where it does better. Where no more is left than chance leaves, there is nothing
+    to be found.
     """
     before = result.fit
     unknowns, bounds = with_shapes(setting, result)
