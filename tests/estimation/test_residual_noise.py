@@ -1,5 +1,6 @@
 """The colour of noise from what a model leaves, at 60 Hz, where no band is left for noise alone."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,15 @@ from scipy import signal
 from tests import noisy
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.residual_noise import (
+    _projected,
+    _Rest,
     with_residual_noise,
     without_residual_noise,
 )
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.variable_projection import fit as fitted
-from tp_jax.recordings import Campaign, Recording
+from tp_jax.recordings import Campaign, Colour, Recording
 from tp_jax.rig import BENCH, VirtualRig
 
 RATE, DURATION, SIGMA, RHO, WHITE = 60.0, 12.0, 2e-3, 0.7, 0.2
@@ -209,3 +212,42 @@ def test_what_the_data_say_of_one_channel_is_asked_again(right):
     assert found.noise["phi1"] == pytest.approx(SIGMA, rel=0.1)
     assert found.noise["phi2"] == pytest.approx(SIGMA, rel=0.1)
     assert without_residual_noise(found).noise == pytest.approx(setting.noise)
+
+
+def peaked(rng, n: int) -> np.ndarray:
+    """An autoregression of two lags, whose spectrum peaks halfway to the Nyquist frequency."""
+    return signal.lfilter([1.0], [1.0, -0.21, 0.395], rng.standard_normal(n + 200))[200:]
+
+
+def rest_of(rng, recordings: int, samples: int = 450) -> _Rest:
+    """Noise in a window of each recording, and 56 smooth features, which go with its motion."""
+    t = np.linspace(0.0, 1.0, samples)
+    S = np.stack([t**k for k in range(4)], axis=1)[None]
+    rest = object.__new__(_Rest)
+    rest.n, rest.parts = recordings * samples, []
+    for _ in range(recordings):
+        told = [np.sin(rng.uniform(0.0, 6.0) + rng.uniform(5.0, 20.0) * t) for _ in range(5)]
+        powers = [p for d in range(4) for p in itertools.combinations_with_replacement(range(5), d)]
+        F = np.stack([np.prod([told[k] for k in p] or [t**0], axis=0) for p in powers], axis=1)
+        y = peaked(rng, samples)[None, :, None]
+        rest.parts.append((np.concatenate([y, S, F[None]], axis=2), np.ones((1, samples), bool)))
+    return rest
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_slow_colour_does_not_win_by_features_that_it_hides(seed):
+    """Each feature that counted under it alone was worth as much as ten readings."""
+    rest = rest_of(np.random.default_rng(seed), 6).thinned(2699)
+    fast, *slow = (
+        rest.deviance(Colour(*x))[0] for x in ((0.15, 0.05), (0.77, 0.983), (0.48, 0.989))
+    )
+    assert min(slow) > fast + 100.0
+
+
+def test_as_many_directions_count_under_every_colour():
+    for table, _ in rest_of(np.random.default_rng(0), 6).thinned(2699).parts:
+        used = {
+            _projected(Colour(*x).whiten(table, axis=1))[2][1]
+            for x in ((0.0, 0.0), (0.15, 0.05), (-0.4, 0.0), (0.77, 0.983))
+        }
+        assert len(used) == 1

@@ -13,6 +13,7 @@ from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.start import initial_values
+from tp_jax.gap import rounding
 from tp_jax.gap.known_noise import with_noise_of
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.rounding import Rounding
@@ -36,8 +37,8 @@ def drawn(step, count=400):
         windows=SimpleNamespace(recording=np.array([0, 0, 1])),
     )
     steps = np.tile([step, 0.0], (3, 1))
-    rounding = Rounding(problem, predicted, steps, columns, np.arange(3))
-    return rounding.scores(np.random.default_rng(0), count)[:, 0]
+    source = Rounding(problem, predicted, steps, columns, np.arange(3))
+    return source.scores(np.random.default_rng(0), count)[:, 0]
 
 
 def test_the_same_motion_has_the_same_error_again():
@@ -50,6 +51,38 @@ def test_without_steps_it_is_noise():
     scores = drawn(0.0)
     np.testing.assert_allclose(scores.std(axis=1), np.sqrt(SAMPLES), rtol=0.15)
     assert np.abs(np.corrcoef(scores) - np.eye(3)).max() < 0.2
+
+
+def drawn_at(rest, step):
+    """Mean squares of drawn readings of a body at rest."""
+    predicted = np.zeros((3, SAMPLES, 2))
+    predicted[:, :, 0] = rest
+    problem = standing_in(
+        Problem,
+        sigma=np.full((3, 2), LEVEL),
+        whiten=lambda r: None,
+        windows=SimpleNamespace(recording=np.array([0, 1, 2]), n=3),
+    )
+    lin = SimpleNamespace(
+        r=np.zeros((3, 2 * SAMPLES + 4)),
+        valid=np.ones((3, 2 * SAMPLES + 4), dtype=bool),
+        states_jac=np.zeros((3, 2 * SAMPLES + 4, 4)),
+    )
+    fit = SimpleNamespace(problem=problem, linearisation=lin, dof=6 * SAMPLES)
+    steps = np.tile([step, 0.0], (3, 1))
+    source = Rounding(problem, predicted, steps, np.zeros((3, 1, 0)), np.zeros(3, dtype=int))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rounding, "coarse_steps", lambda setting: steps)
+        patch.setattr(rounding, "rounding", lambda *args: source)
+        return rounding.drawn_squares(fit, None, 200)
+
+
+def test_a_body_at_rest_reads_with_an_error_that_its_place_on_a_step_decides():
+    """So that its sum of squares scatters by far more than that of so many samples of noise."""
+    found = drawn_at(0.01, STEP)
+    assert found.mean() == pytest.approx(1.0, abs=0.1)
+    assert found.std() > 3.0 * np.sqrt(2.0 / (6 * SAMPLES))
+    assert drawn_at(0.01, 0.0).size == 0
 
 
 def encoder(rng, y, run):

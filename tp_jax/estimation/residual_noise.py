@@ -77,6 +77,9 @@ WIDE = 0.08
 SPANNED = 1e-3
 """Part of the largest derivative, and of the largest singular value, that spans a direction."""
 
+FOLLOWED = 1e-4
+"""Part of the largest singular value from which a direction of what goes with the motion counts."""
+
 
 def with_residual_noise(
     setting: PreparedCampaign, fit: Fit, policy: ResidualNoisePolicy = POLICY
@@ -268,10 +271,10 @@ class _Rest:
 
     def _kept(self, table, inside, policy):
         """Without transients."""
-        _, by_window, _ = _projected(table)
+        _, by_window, _ = _projected(_with_directions(table))
         mean = by_window / np.maximum(inside.sum(axis=1) - 4, 1)
         keep = mean <= policy.trimmed * max(float(np.median(mean)), 1e-300)
-        return table[keep], inside[keep]
+        return _with_directions(table[keep]), inside[keep]
 
     def thinned(self, most: int) -> "_Rest":
         """Some of its windows, evenly spread over the recordings, of about so many samples."""
@@ -279,7 +282,9 @@ class _Rest:
         if every <= 1:
             return self
         out = copy.copy(self)
-        out.parts = [(table[::every], inside[::every]) for table, inside in self.parts]
+        out.parts = [
+            (_with_directions(table[::every]), inside[::every]) for table, inside in self.parts
+        ]
         out.n = sum(int(inside.sum()) for _, inside in out.parts)
         return out
 
@@ -326,6 +331,28 @@ def _basis(jac: np.ndarray) -> np.ndarray:
     return left * (values > SPANNED * values[:, :1])[:, None, :]
 
 
+def _with_directions(table: np.ndarray) -> np.ndarray:
+    """The table with orthonormal features, states apart, and as many as these windows tell apart.
+
+    As with the states: a direction that is there under one colour and not under another would
+    decide between them. Slow colours won so, each by a logarithm of a small number.
+    """
+    F = _beside_states(table[:, :, 1:5], table[:, :, 5:])[0]
+    _, values, along = np.linalg.svd(F.reshape(-1, F.shape[2]), full_matrices=False)
+    kept = values > FOLLOWED * values.max(initial=0.0)
+    return np.concatenate([table[:, :, :5], F @ (along[kept].T / values[kept])], axis=2)
+
+
+def _beside_states(S: np.ndarray, x: np.ndarray):
+    """What is left of columns x (w, n, q) once the states' S (w, n, 4) follow; the latter's
+    singular values (w, 4) and which of them count.
+    """
+    left, values, _ = np.linalg.svd(S, full_matrices=False)
+    live = values > 1e-6 * values[:, :1]
+    basis = left * live[:, None, :]
+    return x - basis @ (basis.transpose(0, 2, 1) @ x), values, live
+
+
 def _projected(table: np.ndarray):
     """Residual sum of squares, that of each window (w,), and the restricted likelihood's
     determinant with the number of columns that were used.
@@ -333,18 +360,13 @@ def _projected(table: np.ndarray):
     Args:
         table: (w, n, 1 + 4 + q): residuals, derivatives by the window's states, features.
     """
-    y, S, F = table[:, :, :1], table[:, :, 1:5], table[:, :, 5:]
-    left, values, _ = np.linalg.svd(S, full_matrices=False)
-    live = values > 1e-6 * values[:, :1]
-    basis = left * live[:, None, :]
+    rest, values, live = _beside_states(table[:, :, 1:5], np.delete(table, range(1, 5), axis=2))
     logdet = 2.0 * float(np.log(values[live]).sum())
     used = float(live.sum())
-    rest = np.concatenate([y, F], axis=2)
-    rest -= basis @ (basis.transpose(0, 2, 1) @ rest)
     flat = rest.reshape(-1, rest.shape[2])
     products = flat.T @ flat
     value, vector = np.linalg.eigh(products[1:, 1:])
-    seen = value > 1e-8 * max(float(value.max(initial=0.0)), 1e-300)
+    seen = value > 1e-13 * max(float(value.max(initial=0.0)), 1e-300)  # a colour takes none away
     logdet += float(np.log(value[seen]).sum())
     used += float(seen.sum())
     coefficients = vector[:, seen] @ ((vector[:, seen].T @ products[1:, 0]) / value[seen])

@@ -8,6 +8,7 @@ from tp_jax.gap.calibration import Floor
 from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import floor_error
 from tp_jax.gap.policy import POLICY
+from tp_jax.gap.rounding import drawn_squares
 from tp_jax.gap.verdict import combined
 
 
@@ -20,8 +21,13 @@ def excess(setting: PreparedCampaign, fit: Fit, least: Floor | None = None) -> f
     parts = np.zeros(0) if least is None else least.misfit
     error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
     error = np.hypot(error, np.sqrt(2.0 * np.sum(parts**2)))
+    # Of readings in coarse steps it depends on where on a step each body comes to rest.
+    expected, drawn = 1.0, drawn_squares(fit, setting, POLICY.structure.squares)
+    if drawn.size:
+        expected = max(float(drawn.mean()), 1.0)
+        error = np.hypot(error, drawn.std(ddof=1))
     # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
-    return float((fit.chi2_dof - 1.0 - parts.sum()) / error)
+    return float((fit.chi2_dof - expected - parts.sum()) / error)
 
 
 def misfits(setting: PreparedCampaign, fit: Fit) -> bool:

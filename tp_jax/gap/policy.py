@@ -95,6 +95,9 @@ class StructurePolicy:
             readings are coarse. Their noise is drawn as it is, its size and what of it repeats, so
             that more says that something else is there. On rigs with nothing hidden it is 1 to 7;
             a hysteresis that took 2,600 of a sum of squares passed for rounding at 39.
+        squares: times that a sum of squares is drawn where readings are coarse, for its scatter: a
+            tenth or two of itself where bodies come to rest on few steps. It is then known to an
+            eighth.
     """
 
     level: float = 0.05
@@ -104,6 +107,7 @@ class StructurePolicy:
     misfit: float = 0.03
     colour: float = 0.3
     rounding: float = 10.0
+    squares: int = 30
 
     @property
     def seen(self) -> float:

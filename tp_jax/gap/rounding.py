@@ -3,7 +3,9 @@
 The error of such a reading follows from the motion, and comes again where the motion does: it is
 not independent from block to block, and an effect may well resemble it. So what rounding does to
 the scores is drawn: the readings that the fit predicts are given noise, moved by some part of a
-step (where the steps lie is not known to a part of one), and rounded.
+step (where the steps lie is not known to a part of one), and rounded. What it does to the sum of
+squares is drawn alike: a body that comes to rest in the middle of a step reads without any error,
+and one at its edge with half a step's.
 """
 
 import dataclasses
@@ -44,6 +46,13 @@ class Rounding:
         return np.concatenate([self._scores(rng, n) for n in parts], axis=2)
 
     def _scores(self, rng: np.random.Generator, count: int) -> np.ndarray:
+        of_window = self.columns.transpose(0, 2, 1) @ self.errors(rng, count)
+        out = np.zeros((self.block.max() + 1, *of_window.shape[1:]))
+        np.add.at(out, self.block, of_window)
+        return out
+
+    def errors(self, rng: np.random.Generator, count: int) -> np.ndarray:
+        """Whitened errors (w, m, count) of so many draws."""
         windows, samples, _ = self.predicted.shape
         # single precision: half the time, and draws need no more
         r = rng.standard_normal((windows, 2 * samples + 4, count), dtype=np.float32)
@@ -67,10 +76,35 @@ class Rounding:
         self.problem.whiten(rounded)
         coarse = np.repeat(self.step[:, None] > 0.0, samples, axis=1).reshape(windows, -1)
         r[:, :-4] = np.where(coarse[:, :, None], rounded[:, :-4], r[:, :-4])
-        of_window = self.columns.transpose(0, 2, 1) @ r
-        out = np.zeros((self.block.max() + 1, *of_window.shape[1:]))
-        np.add.at(out, self.block, of_window)
-        return out
+        return r
+
+
+def drawn_squares(fit: Fit, setting: PreparedCampaign, count: int, seed: int = 0) -> np.ndarray:
+    """Draws what a fit's sum of squares per degree of freedom is under noise and rounding (count,).
+
+    None (0,) where noise hides all steps. The windows' states follow the errors; that the unknowns
+    do too is left to the degrees of freedom.
+
+    Args:
+        fit, setting: see `rounding`. count: draws.
+    """
+    steps = coarse_steps(setting)
+    if not steps.any():
+        return np.zeros(0)
+    lin = fit.linearisation
+    w = fit.problem.windows.n
+    nothing = np.zeros((w, lin.r.shape[1], 0), dtype=np.float32)
+    source = rounding(fit, setting, steps, nothing, np.zeros(w, dtype=int))
+    assert source is not None
+    J = lin.states_jac
+    follow = np.linalg.pinv(J.transpose(0, 2, 1) @ J, hermitian=True) @ J.transpose(0, 2, 1)
+    rng = np.random.default_rng(seed)
+    out: list[float] = []
+    while len(out) < count:
+        r = source.errors(rng, min(AT_ONCE, count - len(out))) * lin.valid[:, :, None]
+        r -= J @ (follow @ r)
+        out += (r[:, :-4] ** 2).sum(axis=(0, 1)).tolist()
+    return np.array(out) / max(fit.dof, 1)
 
 
 def _beneath(sigma: np.ndarray, step: np.ndarray) -> np.ndarray:
