@@ -335,7 +335,7 @@ def _with_directions(table: np.ndarray) -> np.ndarray:
     """The table with orthonormal features, states apart, and as many as these windows tell apart.
 
     As with the states: a direction that is there under one colour and not under another would
-    decide between them. Slow colours won so, each by a logarithm of a small number.
+    decide between them. Slow colours won so, by the logarithm of a small number for each.
     """
     F = _beside_states(table[:, :, 1:5], table[:, :, 5:])[0]
     _, values, along = np.linalg.svd(F.reshape(-1, F.shape[2]), full_matrices=False)
@@ -344,8 +344,8 @@ def _with_directions(table: np.ndarray) -> np.ndarray:
 
 
 def _beside_states(S: np.ndarray, x: np.ndarray):
-    """What is left of columns x (w, n, q) once the states' S (w, n, 4) follow; the latter's
-    singular values (w, 4) and which of them count.
+    """Columns x (w, n, q) less what the states' S (w, n, 4) follow; also the latter's singular
+    values (w, 4), and which of them count.
     """
     left, values, _ = np.linalg.svd(S, full_matrices=False)
     live = values > 1e-6 * values[:, :1]
