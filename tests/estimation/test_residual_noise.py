@@ -10,6 +10,7 @@ from scipy import signal
 from tests import noisy
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.residual_noise import (
+    POLICY,
     _projected,
     _Rest,
     with_residual_noise,
@@ -251,3 +252,18 @@ def test_as_many_directions_count_under_every_colour():
             for x in ((0.0, 0.0), (0.15, 0.05), (-0.4, 0.0), (0.77, 0.983))
         }
         assert len(used) == 1
+
+
+@pytest.mark.parametrize(
+    ("louder", "recordings", "slow", "expected"),
+    [
+        (1.0, 4, 0.05, True),
+        (1.6, 4, 0.05, False),  # what a gap leaves is larger where the motion is
+        (1.0, 2, 0.05, False),
+        (1.0, 4, 0.97, False),  # as a zero that wanders
+    ],
+)
+def test_noise_is_of_one_size_and_forgets_itself(louder, recordings, slow, expected):
+    rest = rest_of(np.random.default_rng(4), recordings).thinned(recordings * 450 - 1)
+    rest.parts[0][0][:, :, 0] *= louder
+    assert rest.is_of_one_size(Colour(0.15 if slow < 0.5 else 0.8, slow), POLICY) == expected

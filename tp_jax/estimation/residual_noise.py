@@ -7,7 +7,8 @@ that goes with its motion (harmonics of a commanded drive's phase, or polynomial
 window states included, and the colour and level of the rest are estimated by restricted maximum
 likelihood, for all recordings at one sampling rate together. Near the Nyquist frequency that level
 must agree with what high-order differences of the data see: a rest with more is no noise, and what
-there is then counts as gap.
+there is then counts as gap. But a rest that is of one size in several recordings, whatever moves
+there, and forgets itself within a few samples is noise, of a colour that two numbers do not have.
 
 Source: Patterson, Thompson (1971), Biometrika 58, 545-554.
 """
@@ -53,6 +54,13 @@ class ResidualNoisePolicy:
         left: mean square that may be left, over that which high-order differences see under the
             same colour, for it to be noise.
         samples: below which residuals say nothing of a colour.
+        apart: part, beyond three standard errors of so many samples, by which the mean square of a
+            recording differs from that of all at most, for a rest to be of one size. What
+            friction, springs and drives leave is another at another frequency.
+        recordings: that are of one size, at least.
+        short: error of a mean, over that of white noise, up to which a rest forgets itself soon.
+        most: as `left`, of a rest of one size: an autoregression of two lags whose spectrum peaks
+            halfway to the Nyquist frequency has up to twice what differences see.
     """
 
     harmonics: int = 8
@@ -67,6 +75,10 @@ class ResidualNoisePolicy:
     slow: float = 1.1
     left: float = 1.25
     samples: int = 50
+    apart: float = 0.1
+    recordings: int = 3
+    short: float = 2.0
+    most: float = 2.5
 
 
 POLICY = ResidualNoisePolicy()
@@ -148,7 +160,7 @@ def residual_noise(
             log.info(
                 "noise of channel %d: %s, left %.3g of what differences see", c + 1, colour, left
             )
-            if left > policy.left:
+            if left > (policy.most if rest.is_of_one_size(colour, policy) else policy.left):
                 continue
             pair[c] = colour
             levels[group, c] *= rise
@@ -275,6 +287,17 @@ class _Rest:
         mean = by_window / np.maximum(inside.sum(axis=1) - 4, 1)
         keep = mean <= policy.trimmed * max(float(np.median(mean)), 1e-300)
         return _with_directions(table[keep]), inside[keep]
+
+    def is_of_one_size(self, colour: Colour, policy: ResidualNoisePolicy) -> bool:
+        """True where recordings have the same of it under a colour, and it forgets itself soon."""
+        if len(self.parts) < policy.recordings or colour.slow > policy.short:
+            return False
+        square, free = np.zeros(len(self.parts)), np.zeros(len(self.parts))
+        for i, (table, inside) in enumerate(self.parts):
+            rss, _, (_, used) = _projected(colour.whiten(table, axis=1) * inside[:, :, None])
+            square[i], free[i] = rss, max(float(inside.sum()) - used, 1.0)
+        apart = np.abs(square / free / (square.sum() / free.sum()) - 1.0)
+        return bool(np.all(apart <= policy.apart + 3.0 * np.sqrt(2.0 / free)))
 
     def thinned(self, most: int) -> "_Rest":
         """Some of its windows, evenly spread over the recordings, of about so many samples."""
