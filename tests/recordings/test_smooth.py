@@ -33,6 +33,20 @@ def test_errors_are_those_of_many_repetitions():
         np.testing.assert_allclose(getattr(all_[0], f"{name}_error"), scatter, rtol=0.1)
 
 
+@pytest.mark.parametrize(("period", "grown"), [(9, 50.0), (12, 20.0), (300, 1.0)])
+def test_errors_count_what_the_polynomial_cannot_follow(period, grown):
+    """A motion of nine samples a period is missed by fifty times what noise makes of it, or more."""
+    t = np.arange(600.0)
+    angle = 2.0 * np.pi * t / period
+    y = np.sin(angle) + 1e-4 * np.random.default_rng(0).standard_normal(t.size)
+    smoothed = local_polynomial(t, y, 1e-4, 7)
+    middle = slice(3, -3)
+    wrong = (smoothed.value - np.sin(angle))[middle] / smoothed.value_error[middle]
+    assert np.sqrt(np.mean(wrong**2)) < 1.5
+    steady = local_polynomial(t, 0.0 * t, 1e-4, 7).value_error
+    assert np.median(smoothed.value_error / steady) > 0.99 * grown
+
+
 def test_errors_grow_at_the_ends():
     t = 0.004 * np.arange(300)
     error = local_polynomial(t, np.sin(t), 1e-3, 15).first_error
