@@ -35,7 +35,7 @@ def test_errors_are_those_of_many_repetitions():
 
 @pytest.mark.parametrize(("period", "grown"), [(9, 50.0), (12, 20.0), (300, 1.0)])
 def test_errors_count_what_the_polynomial_cannot_follow(period, grown):
-    """A motion of nine samples a period is missed by fifty times what noise makes of it, or more."""
+    """A motion of nine samples a period is missed by fifty times the noise or more."""
     t = np.arange(600.0)
     angle = 2.0 * np.pi * t / period
     y = np.sin(angle) + 1e-4 * np.random.default_rng(0).standard_normal(t.size)
