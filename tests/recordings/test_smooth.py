@@ -47,6 +47,13 @@ def test_errors_count_what_the_polynomial_cannot_follow(period, grown):
     assert np.median(smoothed.value_error / steady) > 0.99 * grown
 
 
+def test_without_noise_errors_are_what_the_polynomial_leaves():
+    t = np.arange(60.0)
+    smoothed = local_polynomial(t, np.sin(0.6 * t), 0.0, 7)
+    assert np.isfinite(smoothed.value_error).all()
+    assert smoothed.value_error.max() > 0.0
+
+
 def test_errors_grow_at_the_ends():
     t = 0.004 * np.arange(300)
     error = local_polynomial(t, np.sin(t), 1e-3, 15).first_error
