@@ -116,8 +116,7 @@ def _alone(
 
 def _promised(r: Round) -> float:
     """Log evidence that the best formula could have at most, by the screen of a round."""
-    drop = max((s.drop for s in r.screen.scored), default=0.0)
-    return drop / (2.0 * max(r.before.chi2_dof, 1.0))
+    return _at_most(r, max((s.drop for s in r.screen.scored), default=0.0))
 
 
 def _promised_by_two(r: Round) -> float:
@@ -126,7 +125,12 @@ def _promised_by_two(r: Round) -> float:
     if pair is None:
         return 0.0
     a, b, drop = pair
-    drop -= LIKELIER + PER_AMPLITUDE * (len(a.variant.unknowns) + len(b.variant.unknowns))
+    charge = LIKELIER + PER_AMPLITUDE * (len(a.variant.unknowns) + len(b.variant.unknowns))
+    return _at_most(r, drop - charge)
+
+
+def _at_most(r: Round, drop: float) -> float:
+    """Log likelihood of a fall of the sum of squares, in units of what the round's fit leaves."""
     return drop / (2.0 * max(r.before.chi2_dof, 1.0))
 
 

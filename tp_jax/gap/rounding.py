@@ -12,6 +12,7 @@ import dataclasses
 
 import numpy as np
 
+from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.noise_levels import CHANNELS
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
@@ -96,13 +97,11 @@ def drawn_squares(fit: Fit, setting: PreparedCampaign, count: int, seed: int = 0
     nothing = np.zeros((w, lin.r.shape[1], 0), dtype=np.float32)
     source = rounding(fit, setting, steps, nothing, np.zeros(w, dtype=int))
     assert source is not None
-    J = lin.states_jac
-    follow = np.linalg.pinv(J.transpose(0, 2, 1) @ J, hermitian=True) @ J.transpose(0, 2, 1)
     rng = np.random.default_rng(seed)
     out: list[float] = []
     while len(out) < count:
         r = source.errors(rng, min(AT_ONCE, count - len(out))) * lin.valid[:, :, None]
-        r -= J @ (follow @ r)
+        r += lin.states_jac @ eliminate(lin.r, lin.states_jac, r).state_gain
         out += (r[:, :-4] ** 2).sum(axis=(0, 1)).tolist()
     return np.array(out) / max(fit.dof, 1)
 
