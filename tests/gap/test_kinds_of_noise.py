@@ -6,16 +6,19 @@ import numpy as np
 import pytest
 
 from tests import noisy
+from tests.standing_in import standing_in
 from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
 from tp_jax.estimation.start import initial_values
 from tp_jax.gap import known_noise
+from tp_jax.gap.choice import Choice
 from tp_jax.gap.held_out import squares
 from tp_jax.gap.known_noise import alike, choose_under_noise, with_noise_of
 from tp_jax.gap.misfit import misfits
 from tp_jax.gap.policy import POLICY
+from tp_jax.gap.refit import Refit
 from tp_jax.gap.screen import screen
 from tp_jax.gap.structure import structure_test
 from tp_jax.recordings import Colour
@@ -73,26 +76,40 @@ def its_noise_is_known(setting, fit, noise, levels):
     assert left.mean_square() / noise2.mean() == pytest.approx(1.0, abs=0.02 + 3.0 * chance)
 
 
-@pytest.mark.parametrize(("chi2_dof", "asked"), [(9.0, True), (11.0, False)])
-def test_what_a_large_gap_leaves_is_not_asked_for_noise(monkeypatch, chi2_dof, asked):
+@pytest.mark.parametrize(
+    ("baseline", "final", "causes", "calls"),
+    [
+        (9.0, 1.0, ("x",), ["baseline", "chosen", "causes", "chosen"]),
+        (11.0, 1.0, ("x",), ["chosen", "causes", "chosen"]),
+        # a clock that jumps: 80 times the noise, of which no formula takes anything
+        (80.0, 80.0, (), ["chosen"]),
+        (80.0, 49.0, ("x",), ["chosen"]),
+    ],
+)
+def test_what_is_left_of_a_large_gap_is_not_asked_for_noise(
+    monkeypatch, baseline, final, causes, calls
+):
     """It passed for noise of a correlation of .98 on the packaged example."""
     bare = prepare_campaign(noisy.campaign(noisy.white, 1, RATE), effects=())
-    baseline, calls = SimpleNamespace(chi2_dof=chi2_dof), []
-    choice = SimpleNamespace(final=SimpleNamespace(ids=("x",), fit=None))
+    first, last = SimpleNamespace(chi2_dof=baseline), SimpleNamespace(chi2_dof=final)
+    choice = Choice(None, (), standing_in(Refit, fit=last, ids=causes))
+    found = []
 
     def with_noise_of(setting, shown, fit):
-        calls.append("asked")
+        found.append("baseline" if shown is first else "causes")
         return setting, fit
 
-    def choose(*_):
-        calls.append("chosen")
+    def choose(*_, **__):
+        found.append("chosen")
         return choice
 
     monkeypatch.setattr(known_noise, "with_noise_of", with_noise_of)
     monkeypatch.setattr(known_noise, "choose_or_learn", choose)
+    monkeypatch.setattr(known_noise, "learn", lambda *_: choice)
     monkeypatch.setattr(known_noise, "with_residual_noise", lambda setting, _: setting)
-    choose_under_noise(bare, baseline, 0, print)
-    assert calls == ["asked", "chosen"][0 if asked else 1 :]
+    monkeypatch.setattr(known_noise, "alike", lambda *_: False)
+    choose_under_noise(bare, first, 0, print)
+    assert found == calls
 
 
 @pytest.mark.parametrize(

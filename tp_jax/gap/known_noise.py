@@ -10,7 +10,7 @@ from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.residual_noise import with_residual_noise
 from tp_jax.estimation.variable_projection import fit
 from tp_jax.gap.choice import Choice
-from tp_jax.gap.learned import choose_or_learn, learn
+from tp_jax.gap.learned import Trials, choose_or_learn, learn
 from tp_jax.gap.policy import POLICY, NoisePolicy
 from tp_jax.gap.refit import Refit, refit_longer_windows
 
@@ -35,17 +35,20 @@ def choose_under_noise(
     asked = baseline.chi2_dof < POLICY.noise.below and not gap
     if asked:
         setting, baseline = with_noise_of(setting, baseline, baseline)
-    choice = choose_or_learn(setting, baseline, seed, progress)
+    trials: Trials = []
+    choice = choose_or_learn(setting, baseline, seed, progress, trials=trials)
     if all(not r.forced for r in setting.recordings):
         setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
     known = None
-    if choice.final.ids or not asked:
+    # What is left of a large gap is gap still, however slow it looks.
+    told = choice.final.fit.chi2_dof < POLICY.noise.below
+    if told and (choice.final.ids or not asked):
         if not alike(setting, with_residual_noise(setting, choice.final.fit)):
             known, looks = choice.final, choice.looks
             setting, baseline = with_noise_of(setting, known.fit, baseline)
-            choice = choose_or_learn(setting, baseline, seed, progress, known)
+            choice = choose_or_learn(setting, baseline, seed, progress, known, trials)
             choice = dataclasses.replace(choice, looks=looks)
-    return setting, learn(setting, choice, seed, progress, known)
+    return setting, learn(setting, choice, seed, progress, known, trials)
 
 
 def alike(

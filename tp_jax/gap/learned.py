@@ -56,12 +56,17 @@ class _Trial:
     gain: tuple[float, float]
 
 
+Trials = list[_Trial]
+"""Laws that were refitted, so that none is refitted twice from the same fit."""
+
+
 def choose_or_learn(
     setting: PreparedCampaign,
     baseline: Fit,
     seed: int,
     progress: Progress,
     known: Refit | None = None,
+    trials: Trials | None = None,
 ) -> Choice:
     """The causes of `choose`, or a law that does alone what no formula does.
 
@@ -71,13 +76,15 @@ def choose_or_learn(
 
     Args:
         setting, baseline, seed, progress, known: see `choose`.
+        trials: gets the laws that are refitted.
     """
+    trials = [] if trials is None else trials
     if not setting.layout.learned:
         return choose(setting, baseline, seed, progress, known)
     found: list[_Trial] = []
 
     def elsewhere(r: Round) -> bool:
-        found.extend(_alone(with_supports(setting, r.searched), r, progress, known))
+        found.extend(_alone(with_supports(setting, r.searched), r, progress, known, trials))
         return bool(found)
 
     choice = choose(setting, baseline, seed, progress, known, elsewhere)
@@ -89,7 +96,11 @@ def choose_or_learn(
 
 
 def _alone(
-    setting: PreparedCampaign, r: Round, progress: Progress, known: Refit | None
+    setting: PreparedCampaign,
+    r: Round,
+    progress: Progress,
+    known: Refit | None,
+    trials: Trials,
 ) -> list[_Trial]:
     """The law that leaves noise alone where every formula leaves more, or none.
 
@@ -106,11 +117,12 @@ def _alone(
         if removable(best.fit) < max(_worth_asking(best.fit), little):
             return []
     least = max(_promised(r), _promised_by_two(r))
+    most = POLICY.learning.part * removable(best.fit)
+    nothing = Refit(r.searched, ())
     return [
         trial
-        for trial in _tried(setting, r, Refit(r.searched, ()), progress, known, 1, least)
-        if _nothing_left(trial.result.fit)
-        and removable(trial.result.fit) < POLICY.learning.part * removable(best.fit)
+        for trial in _tried(setting, r, nothing, progress, known, trials, 1, least, most)
+        if _nothing_left(trial.result.fit) and removable(trial.result.fit) < most
     ]
 
 
@@ -146,18 +158,21 @@ def learn(
     seed: int,
     progress: Progress,
     known: Refit | None = None,
+    trials: Trials | None = None,
 ) -> Choice:
     """A choice of causes, with a law where they leave structure and a law takes it.
 
     Args:
         setting, seed, progress, known: see `choose`. choice: which that gave.
+        trials: laws that were refitted on the way to it.
     """
+    trials = [] if trials is None else trials
     if not setting.layout.learned:
         return choice
     if unexplained(setting, choice):
-        return _with_law(setting, choice, seed, progress, known) or choice
+        return _with_law(setting, choice, seed, progress, known, trials) or choice
     if _patched(choice):
-        return _instead(setting, choice, seed, progress, known) or choice
+        return _instead(setting, choice, seed, progress, known, trials) or choice
     return choice
 
 
@@ -182,7 +197,12 @@ def _patched(choice: Choice) -> bool:
 
 
 def _instead(
-    setting: PreparedCampaign, choice: Choice, seed: int, progress: Progress, known: Refit | None
+    setting: PreparedCampaign,
+    choice: Choice,
+    seed: int,
+    progress: Progress,
+    known: Refit | None,
+    trials: Trials,
 ) -> Choice | None:
     """The choice with one law in the place of several formulas, or None.
 
@@ -191,22 +211,29 @@ def _instead(
     r = choice.rounds[0]
     setting = with_supports(setting, r.searched)
     nothing = Refit(r.searched, ())
-    trials = _tried(setting, r, nothing, progress, known, 1, _promised(r))
-    return _first_accepted(setting, choice, trials, seed, progress) if trials else None
+    found = _tried(setting, r, nothing, progress, known, trials, 1, _promised(r))
+    return _first_accepted(setting, choice, found, seed, progress) if found else None
 
 
 def _with_law(
-    setting: PreparedCampaign, choice: Choice, seed: int, progress: Progress, known: Refit | None
+    setting: PreparedCampaign,
+    choice: Choice,
+    seed: int,
+    progress: Progress,
+    known: Refit | None,
+    trials: Trials,
 ) -> Choice | None:
     """The choice with the law that does best, or None."""
     first, last = choice.rounds[0], choice.rounds[-1]
     setting = with_supports(setting, first.searched)
-    trials = _tried(setting, first, Refit(first.searched, ()), progress, known)
+    alone, many = Refit(first.searched, ()), POLICY.learning.refitted
+    most = max(removable(last.searched), _worth_asking(last.searched))
+    found = _tried(setting, first, alone, progress, known, trials, many, 0.0, most)
     # one that leaves no more than chance needs no formula in addition to it
-    if choice.final.ids and not any(_nothing_left(t.result.fit) for t in trials):
+    if choice.final.ids and not any(_nothing_left(t.result.fit) for t in found):
         beside = Refit(last.searched, choice.final.variants)
-        trials += _tried(setting, last, beside, progress, known)
-    return _first_accepted(setting, choice, trials, seed, progress)
+        found += _tried(setting, last, beside, progress, known, trials, many, 0.0, most)
+    return _first_accepted(setting, choice, found, seed, progress)
 
 
 def _first_accepted(
@@ -252,14 +279,19 @@ def _tried(
     base: Refit,
     progress: Progress,
     known: Refit | None,
+    trials: Trials,
     many: int = POLICY.learning.refitted,
     least: float = 0.0,
+    most: float = np.inf,
 ) -> list[_Trial]:
     """The laws with the largest evidence, refitted in addition to what is in a model.
 
     Args:
         setting: with the laws' ranges. r: from which the laws are screened. base: what is in.
-        progress, known: see `choose`. many: laws at most. least: log evidence that they have.
+        progress, known: see `choose`. trials: laws that were refitted already; gets the new ones.
+        many: laws at most. least: log evidence that they have.
+        most: that one may leave beyond the noise to be polished to its end, which takes longer than
+            all before it.
     """
     progress("screening laws that nobody wrote down", None)
     formulas = [*base.ids, *(e.id for e in setting.layout.effects)]
@@ -270,12 +302,10 @@ def _tried(
     out: list[_Trial] = []
     for i, s in enumerate(ranked):
         progress(f"refitting a curve: {s.id}", i / len(ranked))
-        base.fit.problem.programs.add({*base.ids, AnyLaw.id})
-        trial = tried(setting, base, s, known)
-        if not _nothing_left(trial.fit):
-            trial = refit_from_short_windows(setting, base.fit, trial)
-        trial = polish(setting, trial)
-        if not trial.fit.converged:
+        same = (t for t in trials if t.base.fit is base.fit and t.result.ids[-1] == s.id)
+        earlier = next(same, None)
+        trial = _refitted(setting, base, s, known) if earlier is None else earlier.result
+        if not trial.fit.converged and removable(trial.fit) < most:
             trial = polish(setting, trial, FURTHER)
         found = gain(reference, left_out_cost(trial.fit), blocks_of(trial.fit, setting))
         out.append(_Trial(trial, base, r, found))
@@ -287,7 +317,17 @@ def _tried(
         )
         if _nothing_left(trial.fit):
             break
+    trials += out
     return out
+
+
+def _refitted(setting: PreparedCampaign, base: Refit, s: Scored, known: Refit | None) -> Refit:
+    """A law in addition to what is in a model, refitted from short windows too, and polished."""
+    base.fit.problem.programs.add({*base.ids, AnyLaw.id})
+    trial = tried(setting, base, s, known)
+    if not _nothing_left(trial.fit):
+        trial = refit_from_short_windows(setting, base.fit, trial)
+    return polish(setting, trial)
 
 
 def _nothing_left(fit: Fit) -> bool:
