@@ -9,13 +9,9 @@ from scipy import signal
 
 from tests import noisy
 from tp_jax.estimation.prepared_campaign import prepare_campaign
-from tp_jax.estimation.residual_noise import (
-    POLICY,
-    _projected,
-    _Rest,
-    with_residual_noise,
-    without_residual_noise,
-)
+from tp_jax.estimation.residual_noise import with_residual_noise, without_residual_noise
+from tp_jax.estimation.residual_noise_policy import POLICY
+from tp_jax.estimation.restricted_likelihood import Rest, _projected
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.variable_projection import fit as fitted
@@ -220,11 +216,11 @@ def peaked(rng, n: int) -> np.ndarray:
     return signal.lfilter([1.0], [1.0, -0.21, 0.395], rng.standard_normal(n + 200))[200:]
 
 
-def rest_of(rng, recordings: int, samples: int = 450) -> _Rest:
+def rest_of(rng, recordings: int, samples: int = 450) -> Rest:
     """Noise in a window of each recording, and 56 smooth features, which go with its motion."""
     t = np.linspace(0.0, 1.0, samples)
     S = np.stack([t**k for k in range(4)], axis=1)[None]
-    rest = object.__new__(_Rest)
+    rest = object.__new__(Rest)
     rest.n, rest.parts = recordings * samples, []
     for _ in range(recordings):
         told = [np.sin(rng.uniform(0.0, 6.0) + rng.uniform(5.0, 20.0) * t) for _ in range(5)]

@@ -10,7 +10,7 @@ from tp_jax.effects import catalogue
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import acceptance
 from tp_jax.gap.acceptance import has_size, is_worse, least_probable, with_ties
-from tp_jax.gap.choice import Choice
+from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.refit import Refit
 from tp_jax.results.diagnosis import Errors
 
@@ -91,3 +91,31 @@ def test_worse_is_worse_in_windows_or_in_a_free_run():
     assert is_worse(before, Errors(0.5, 2.1))
     assert is_worse(before, Errors(0.5, None))
     assert not is_worse(Errors(1.0, None), Errors(0.9, 9.0))
+
+
+def taken(*ids):
+    """A round that added the last of these effects to the others."""
+    return standing_in(
+        Round, searched=f"without {ids[-1]}", refits={ids[-1]: result(*ids)}, taken=ids[-1]
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "fitted_again"), [("drive_frequency", False), ("clock_skew", True)]
+)
+def test_a_last_cause_is_held_against_the_causes_that_stand_beside_it(
+    monkeypatch, first, fitted_again
+):
+    """Not against one that a rival has replaced since: that one was named in the end."""
+    rounds = (taken(first), taken(first, "sensor1_nonlinearity"))
+    found = result("drive_frequency", "sensor1_nonlinearity")
+    again = result("drive_frequency", fit="fitted again")
+    monkeypatch.setattr(acceptance, "_predicts_worse", lambda *_: True)
+    monkeypatch.setattr(acceptance, "without", lambda setting, result, gone: again)
+    monkeypatch.setattr(acceptance, "polish", lambda setting, result: result)
+    monkeypatch.setattr(acceptance, "refit_with_sharp_friction", lambda setting, result: result)
+    monkeypatch.setattr(acceptance, "_ending", lambda choice, final: Choice(None, rounds, final))
+    choice, dropped = acceptance.without_harm(SETTING, Choice(None, rounds, found), 1.0)
+    assert dropped == ("sensor1_nonlinearity",)
+    assert [v.effect.id for v in choice.final.variants] == ["drive_frequency"]
+    assert choice.final.fit == ("fitted again" if fitted_again else "without sensor1_nonlinearity")

@@ -7,7 +7,7 @@ import numpy as np
 from tests.standing_in import standing_in
 from tp_jax.effects import catalogue
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
-from tp_jax.gap.notes import _of_drive_noise, _of_own_sizes
+from tp_jax.gap.notes import _of_drive_noise, _of_own_sizes, in_one_place
 from tp_jax.gap.refit import Refit
 from tp_jax.recordings import Campaign, Recording
 
@@ -61,3 +61,13 @@ def test_a_size_that_was_read_off_the_held_out_run_is_said_to_be():
     (note,) = told("contact_stribeck", "contact_repeatability")
     assert note.startswith("contact_repeatability ")
     assert "estimated from their readings" in note
+
+
+def test_causes_in_one_place_may_be_one():
+    def told(*ids):
+        variants = tuple(SimpleNamespace(effect=catalogue()[id]) for id in ids)
+        return in_one_place(standing_in(Refit, variants=variants))
+
+    assert told("contact_stribeck", "spring_hardening") == []
+    (note,) = told("contact_presliding", "spring_hardening", "contact_vibration")
+    assert note.startswith("contact_presliding and contact_vibration act in one place, contact")

@@ -7,6 +7,7 @@ fitted without it; where that predicts the held-out recordings worse, it stays t
 """
 
 import dataclasses
+import logging
 
 import numpy as np
 
@@ -18,12 +19,15 @@ from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import detectability
 from tp_jax.gap.backward import without
 from tp_jax.gap.choice import Choice, tied_by_gain
+from tp_jax.gap.directions import Variant
 from tp_jax.gap.free_run import free_runs, start_state
 from tp_jax.gap.held_out import HeldOut, evaluate
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.probability import cause_probabilities
 from tp_jax.gap.refit import Refit, polish, refit_with_sharp_friction
 from tp_jax.results.diagnosis import Errors
+
+log = logging.getLogger(__name__)
 
 MOST_TIED = 3  # effects of a group that counts as one
 LEVEL = 0.05  # at which a cause's amplitudes may all be zero
@@ -38,17 +42,30 @@ def without_harm(
     baseline (`is_worse` in the report). Returns the ids that were taken out, too.
     """
     dropped: list[str] = []
-    while True:
-        added = [r for r in choice.rounds if r.taken is not None]
-        if len(added) < 2:
-            return choice, tuple(dropped)
-        r = added[-1]
-        assert r.taken is not None
-        before = Refit(r.searched, r.refits[r.taken].variants[:-1])
-        if not before.ids or not _predicts_worse(setting, before, choice.final, horizon):
-            return choice, tuple(dropped)
-        dropped.append(r.taken)
+    while len(choice.final.ids) > 1:
+        last = choice.final.variants[-1]
+        before = _before(setting, choice, last)
+        if not _predicts_worse(setting, before, choice.final, horizon):
+            break
+        dropped.append(last.effect.id)
         choice = _ending(choice, refit_with_sharp_friction(setting, before))
+    return choice, tuple(dropped)
+
+
+def _before(setting: PreparedCampaign, choice: Choice, last: Variant) -> Refit:
+    """The model to which the last cause was added, with what has been put in a cause's place since.
+
+    A rival that took the place of an earlier cause is fitted without the last one; the model before
+    it has the cause that was wrong.
+    """
+    others = set(choice.final.ids) - {last.effect.id}
+    for r in choice.rounds:
+        if r.taken is None or r.taken != last.effect.id:
+            continue
+        variants = r.refits[r.taken].variants[:-1]
+        if {v.effect.id for v in variants} == others:
+            return Refit(r.searched, variants)
+    return polish(setting, without(setting, choice.final, last))
 
 
 def _predicts_worse(setting: PreparedCampaign, before: Refit, after: Refit, horizon: float) -> bool:
@@ -58,7 +75,9 @@ def _predicts_worse(setting: PreparedCampaign, before: Refit, after: Refit, hori
         held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
         return errors(held, free_errors(setting, held.fit.values, horizon)[1])
 
-    return is_worse(errors_of(before), errors_of(after))
+    old, new = errors_of(before), errors_of(after)
+    log.info("held out, %s: %s, %s: %s", "+".join(before.ids), old, "+".join(after.ids), new)
+    return is_worse(old, new)
 
 
 @dataclasses.dataclass(frozen=True)
