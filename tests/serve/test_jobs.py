@@ -13,6 +13,7 @@ import pytest
 
 from tests.serve.conftest import COMMANDED, STAND_IN, TOKEN, answers, opened, standing_in
 from tp_jax.errors import InputError
+from tp_jax.serve.diagnoses import Diagnoses
 from tp_jax.serve.jobs import Jobs, _progress, diagnosing
 from tp_jax.serve.limits import LIMITS
 
@@ -216,3 +217,13 @@ def test_progress_is_read():
 
 def test_the_stand_in_is_there():
     assert standing_in()(Path("a"), Path("b"))[1] == str(STAND_IN)
+
+
+def test_a_job_is_looked_at_before_the_rows(client, monkeypatch):
+    """One that ends in between would else be done and have no row, and the page ask no more."""
+    looked = []
+    status, rows = Jobs.status, Diagnoses.rows
+    monkeypatch.setattr(Jobs, "status", lambda self: looked.append("job") or status(self))
+    monkeypatch.setattr(Diagnoses, "rows", lambda self: looked.append("rows") or rows(self))
+    assert client.get("/").status_code == 200
+    assert looked[:2] == ["job", "rows"]

@@ -45,7 +45,10 @@ def create_app(
     served, diagnoses, jobs = ServedFolder(folder), Diagnoses(folder), Jobs(child, limits)
 
     def page(_: Request) -> Response:
-        return _html(pages.page(served, diagnoses.rows(), jobs.status(), limits))
+        # A job that ends after this counts as running, and the page asks for its row. The other way
+        # round it could be done and have no row.
+        job = jobs.status()
+        return _html(pages.page(served, diagnoses.rows(), job, limits))
 
     async def add(request: Request) -> Response:
         name = safe_name(request.path_params["name"])
