@@ -14,6 +14,7 @@ import numpy as np
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._ledger import add_ledger, entries, extended
+from scripts._version import computed
 from tp_jax.cli.arguments import Parser, count
 
 ROOT = Path(__file__).parent.parent
@@ -45,6 +46,9 @@ FAMILY = {
 remember, or have more periods than a curve of twelve coefficients follows, are not among them."""
 
 SEED = 38
+DIGITS = 12
+"""Hexadecimal digits of a version."""
+
 AS_GOOD = 0.95
 """Part of the shrink of the true law from which a learned one counts as good as it."""
 
@@ -103,7 +107,8 @@ def _parser() -> Parser:
         "name place and argument, and predict as well as the true law? Resumes.",
     )
     parser.add_argument("--rigs", metavar="N", type=count, default=18, help="default 18")
-    add_ledger(parser, LEDGER)
+    # A digest of what a diagnosis computes: rigs of two programs are not one study.
+    add_ledger(parser, LEDGER, computed()[:DIGITS])
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 

@@ -18,9 +18,13 @@ from tp_jax.cli.arguments import add_executor, executor_of, positive
 from tp_jax.executors import Piece, run_pieces
 
 
-def add_ledger(parser: argparse.ArgumentParser, ledger: Path) -> None:
+def add_ledger(parser: argparse.ArgumentParser, ledger: Path, version: str = __version__) -> None:
     """Arguments that a study with a ledger takes: --ledger, --version, --limit-s, and those of
-    `add_executor`."""
+    `add_executor`.
+
+    Args:
+        parser: gets them. ledger: by default. version: of the lines that count, by default.
+    """
     parser.add_argument(
         "--ledger",
         metavar="FILE",
@@ -30,8 +34,8 @@ def add_ledger(parser: argparse.ArgumentParser, ledger: Path) -> None:
     parser.add_argument(
         "--version",
         metavar="V",
-        default=__version__,
-        help="of the lines that count (default that of the package)",
+        default=version,
+        help="of the lines that count (default that of the package, %(default)s)",
     )
     add_executor(parser)
     parser.add_argument(
