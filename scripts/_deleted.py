@@ -188,7 +188,7 @@ def table(rows: Sequence[Row]) -> str:
             share(mine, lambda r: r.right),
             share(asked, lambda r: r.shrink >= AS_GOOD * r.best),
             share(mine, lambda r: r.verdict == "explained"),
-            share(mine, lambda r: bool(r.harm)),
+            share([r for r in mine if r.harm is not None], lambda r: bool(r.harm)),
             f"{spent:.0f}",
         )
 
