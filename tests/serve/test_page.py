@@ -60,6 +60,8 @@ def drop(page, files: list[Path]) -> None:
 
 def reads_well(seen: Seen, name: str) -> None:
     """In light and in dark, of the same page: whoever looks may change that at any time."""
+    # A heading may be there before the stylesheet, without which a link is too pale in the dark.
+    seen.page.wait_for_load_state("load")
     for scheme in ("dark", "light"):
         seen.page.emulate_media(color_scheme=scheme)
         assert seen.axe() == []
