@@ -26,8 +26,8 @@ forced = false
 # a remark at the end"""
 
 
-def recorded(path, omega=13.09, state="complete", rows=500, release=None):
-    t = np.arange(rows) / 1000
+def recorded(path, omega=13.09, state="complete", rows=500, release=None, clock=None):
+    t = np.arange(rows) / 1000 / (1.0 + (clock["skew"] if clock else 0.0))
     if not path.exists():
         write_csv(path, t, 0.3 * np.sin(20 * t), 0.1 * np.sin(9 * t))
     metadata = {
@@ -35,6 +35,7 @@ def recorded(path, omega=13.09, state="complete", rows=500, release=None):
         "columns": ["t", "phi1", "phi2"],
         "device": {"rate": 1000.0},
         "drive": {"release": release},
+        "clock": clock,
     }
     return Recorded(path, state, omega, omega is not None, t[-1], metadata)
 
@@ -58,6 +59,14 @@ def test_a_new_campaign(tmp_path):
         ("run-7.csv", 7.0, True),
     ]
     assert "# released at 0.5 rad" in (folder / "campaign.toml").read_text()
+
+
+def test_the_rate_is_that_of_the_times(tmp_path):
+    """Which were put right where the rig's clock is wrong."""
+    clock = {"skew": 0.08, "applied": True}
+    for omega in (13.09, 7.0):
+        assert append_entry(tmp_path, recorded(free_name(tmp_path, omega), omega, clock=clock))
+    assert load_campaign(tmp_path).sample_rate == 1080.0
 
 
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])

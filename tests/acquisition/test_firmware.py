@@ -12,6 +12,7 @@ import pytest
 
 from tp_jax.acquisition import Settings, record
 from tp_jax.acquisition.port import Port
+from tp_jax.errors import InputError
 from tp_jax.recordings import read_columns
 
 HERE = Path(__file__).parent
@@ -66,6 +67,9 @@ def test_the_sketch_of_frames(compiled, tmp_path):
     with running(compiled("rig_frames")) as port:
         done = record(Port(port, 460800), tmp_path / "run.csv", Settings(2.0, omega=13.09))
         again = record(Port(port, 460800), tmp_path / "decay.csv", Settings(0.5, release=0.4))
+        other = Settings(0.5, omega=13.09, amplitude=0.3)  # its crank makes 0.18
+        with pytest.raises(InputError, match="cannot do this value"):
+            record(Port(port, 460800), tmp_path / "other.csv", other)
     values = read_columns(done.path).values
     t = values["t"]
     samples = done.metadata["samples"]

@@ -14,7 +14,8 @@ import pytest
 
 from tests.acquisition.swing import emulated, port_of
 from tests.waiting import PATIENCE, running, until
-from tp_jax.acquisition import Settings, fit_clock, record, writer
+from tp_jax.acquisition import Settings, fit_clock, protocol, record, writer
+from tp_jax.acquisition.device import Device
 from tp_jax.acquisition.recorder import correction
 from tp_jax.acquisition.run_log import metadata_path
 from tp_jax.errors import InputError
@@ -208,6 +209,36 @@ def test_an_older_run_is_stopped_and_its_samples_ignored(tmp_path):
     assert done.metadata["drive"]["release"] == 0.4
 
 
+@pytest.mark.parametrize("fault", ["no answer", "Ctrl-C"])
+def test_a_rig_that_was_started_is_stopped(fault, tmp_path, monkeypatch):
+    """Though nobody saw its answer to START."""
+    monkeypatch.setattr("tp_jax.acquisition.device._OBEYED_WITHIN", 0.5)
+    with emulated(speed=2.0) as rig:
+        obey = rig.firmware._obey
+
+        def unheard(command, now):
+            answer = obey(command, now)
+            return b"" if command.command == protocol.START else answer
+
+        monkeypatch.setattr(rig.firmware, "_obey", unheard)
+        expected: type[BaseException] = InputError
+        if fault == "Ctrl-C":
+            acknowledged = Device._acknowledged
+
+            def interrupted(self, kind, values, patience):
+                if kind == protocol.START:
+                    acknowledged(self, kind, values, 0.3)
+                    raise KeyboardInterrupt
+                return acknowledged(self, kind, values, patience)
+
+            monkeypatch.setattr(Device, "_acknowledged", interrupted)
+            expected = KeyboardInterrupt
+        with pytest.raises(expected):
+            record(port_of(rig), tmp_path / "run.csv", Settings(2.0, omega=13.09))
+        assert rig.firmware.rig.started == [(13.09, None)]
+        assert not rig.firmware.running
+
+
 def test_the_amplitude_is_commanded(tmp_path):
     with emulated(speed=5.0) as rig:
         record(port_of(rig), tmp_path / "run.csv", Settings(0.2, omega=2.0, amplitude=0.25))
@@ -256,6 +287,40 @@ def test_a_skew_is_corrected_and_sampling_stays_uniform(tmp_path, monkeypatch):
     assert np.ptp(np.diff(t)) < 1e-14
     assert done.omega == pytest.approx(10.0 * (1.0 + clock["skew"]), rel=1e-12)
     assert done.duration == pytest.approx(t[-1], rel=1e-12)
+
+
+def test_the_frequency_goes_with_the_times_of_a_rig_that_fell_silent(tmp_path, monkeypatch):
+    monkeypatch.setattr("tp_jax.acquisition.recorder.SIGNIFICANT_ERRORS", 0.0)
+    skew = 0.1
+    with emulated(speed=1.0, skew=skew) as rig:
+        carry, begin = rig._line.carry, time.monotonic()
+        monkeypatch.setattr(
+            rig._line, "carry", lambda data: carry(data) if time.monotonic() - begin < 2.0 else b""
+        )
+        settings = Settings(60.0, omega=10.0, patience=0.3, reconnect=0.3)
+        done = record(port_of(rig), tmp_path / "run.csv", settings)
+    assert done.state == "silent"
+    clock = done.metadata["clock"]
+    assert clock["applied"]
+    assert done.omega == pytest.approx(10.0 * (1.0 + clock["skew"]), rel=1e-12)
+
+
+def test_times_that_cannot_be_corrected_stay(tmp_path, monkeypatch):
+    """For want of room on the disk, for one; the recording is whole."""
+
+    def full(path, factor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("tp_jax.acquisition.recorder.scale_time", full)
+    monkeypatch.setattr("tp_jax.acquisition.recorder.SIGNIFICANT_ERRORS", 0.0)
+    out = tmp_path / "run.csv"
+    with emulated(speed=1.0, skew=0.1) as rig:
+        done = record(port_of(rig), out, Settings(1.5, omega=10.0))
+    assert (done.state, done.omega) == ("complete", 10.0)
+    assert not done.metadata["clock"]["applied"]
+    assert "No space left" in " ".join(done.metadata["notes"])
+    np.testing.assert_array_equal(table(out)[:, 0], np.arange(1501) / 1000)
+    assert json.loads(metadata_path(out).read_text()) == done.metadata
 
 
 def test_when_a_skew_is_corrected():

@@ -4,12 +4,13 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
 import pytest
 
-from tests.waiting import until
+from tests.waiting import PATIENCE, until
 from tp_jax._files import replaced
 from tp_jax.acquisition import writer as module
 from tp_jax.acquisition.writer import CsvWriter, scale_time
@@ -59,6 +60,26 @@ def test_the_disk_is_asked_once_in_a_while(tmp_path, monkeypatch):
     until(lambda: len(calls) >= 3)
     assert len(calls) <= 1 + (time.monotonic() - begin) / 0.02
     writer.close()
+
+
+def test_a_slow_disk_keeps_nobody_waiting(tmp_path):
+    slow, begun, done = threading.Event(), threading.Event(), []
+
+    def job():
+        begun.set()
+        slow.wait(PATIENCE)
+        done.append(True)
+
+    writer = CsvWriter(tmp_path / "run.csv", NAMES)
+    writer.beside(job)
+    assert begun.wait(PATIENCE)
+    writer.write(rows(10))
+    for _ in range(3):
+        writer.beside(job)
+    assert (done, writer.rows) == ([], 10)
+    slow.set()
+    writer.close()
+    assert len(done) == 2  # those that came meanwhile are one
 
 
 def test_a_killed_process_leaves_every_block(tmp_path):

@@ -140,10 +140,20 @@ def _entry(recorded: Recorded) -> str:
     )
 
 
+def _rate(metadata: dict[str, Any]) -> float:
+    """Samples a second on the time column, four digits of them.
+
+    Where a wrong clock was corrected they are not those that the rig announces.
+    """
+    clock = metadata["clock"] or {}
+    faster = 1.0 + clock["skew"] if clock.get("applied") else 1.0
+    return float(f"{metadata['device']['rate'] * faster:.4g}")
+
+
 def _new(folder: Path, recorded: Recorded) -> str:
     device = recorded.metadata["device"]
     model = "double" if "phi2" in recorded.metadata["columns"] else "single"
-    rate = "" if device is None else f"sample_rate = {device['rate']!r}\n"
+    rate = "" if device is None else f"sample_rate = {_rate(recorded.metadata)!r}\n"
     return (
         f"name = {json.dumps(folder.resolve().name, ensure_ascii=False)}\n\n"
         f'[rig]\nmodel = "{model}"\n'

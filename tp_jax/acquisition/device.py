@@ -43,10 +43,18 @@ class Device:
     def identify(self, patience: float) -> None:
         """Finds out who is there, a rig that answers or a stream of text, or raises InputError.
 
-        A board that restarts when its port is opened needs some two seconds of patience.
+        A board that restarts when its port is opened needs some two seconds of patience. A rig that
+        was known stays so where it does not answer again: it may still run, and has to be stopped.
         """
+        known, self.identity = self.identity, None
+        try:
+            self._identify(patience)
+        except BaseException:
+            self.identity = known
+            raise
+
+    def _identify(self, patience: float) -> None:
         name, before = self.port.name, self.port.received
-        self.identity = None
         tag = next(self._tags)
 
         def answered() -> bool:

@@ -128,7 +128,13 @@ class _Recorder:
 
     def run(self) -> Recorded:
         self.device.identify(self.settings.patience)
-        self.stream = self._begin()
+        try:
+            self.stream = self._begin()
+        except BaseException:
+            # The rig may have begun its run although its answer was never seen.
+            with uninterrupted(), suppress(Unplugged):
+                self.device.stop()
+            raise
         self.log = log = RunLog(self.path, self.port, self.stream, self.settings)
         try:
             self._loop()
@@ -240,10 +246,13 @@ class _Recorder:
             if not self.port.reopen():
                 time.sleep(0.1)
                 continue
+            left = max(deadline - time.monotonic(), 0.1)
             try:
-                goes_on = self._goes_on(self.settings.patience)
+                goes_on = self._goes_on(min(self.settings.patience, left))
             except (Unplugged, InputError):
-                continue  # bytes of another baud, while a board starts, are no answer: ask again
+                # bytes of another baud, while a board starts, are no answer: ask again
+                time.sleep(0.1)
+                continue
             if goes_on:
                 self._take_pending()
             else:
@@ -271,11 +280,19 @@ class _Recorder:
 
     def _finished(self) -> Recorded:
         """Corrects the clock and writes down all there is to say."""
-        log, identity, omega = self.log, self.device.identity, self.omega
+        # the rig that was recorded: at the end it need not have answered any more
+        log, identity, omega = self.log, self.stream.identity, self.omega
         fit = log.clock()
         factor = correction(fit)
         if factor != 1.0:
-            scale_time(self.path, factor)
+            try:
+                scale_time(self.path, factor)
+            except OSError as fault:  # a second copy may not fit on the disk
+                factor = 1.0
+                log.notes.append(
+                    f"The times are the rig's own: correcting them by {fit.skew:+.3g} failed "
+                    f"({fault.strerror}); multiply t by 1/(1 + skew), and omega by (1 + skew)."
+                )
         if omega and identity is not None and identity.drives:
             omega /= factor
         metadata = log.save(omega, fit, factor)

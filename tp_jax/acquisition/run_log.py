@@ -121,6 +121,7 @@ class RunLog:
         self.written = 0  # samples in the file
         self.duration = 0.0  # from the first to the last of them [s], on the rig's clock
         self.cause: str | None = None  # of the next gap; None: samples were lost on the way
+        self.notes: list[str] = []  # sentences besides those of the stream
         self._writer: CsvWriter | None = None
         # the clock of a text stream need not begin with the recording
         self._begin = 0.0 if stream.kind == "frames" else None
@@ -211,6 +212,9 @@ class RunLog:
         self, omega: float | None, fit: ClockFit | None = None, factor: float = 1.0
     ) -> dict[str, Any]:
         """Writes the metadata, times multiplied by the factor as in the file; returns them."""
+        return write_metadata(self.path, self._content(omega, fit, factor))
+
+    def _content(self, omega: float | None, fit: ClockFit | None, factor: float) -> dict[str, Any]:
         stream, settings, identity = self.stream, self.settings, self.stream.identity
         ends = zip(stream.names, self._least.tolist(), self._largest.tolist(), strict=True)
         spans = {n: (low, high) for n, low, high in ends if n != "t" and self.written}
@@ -222,7 +226,7 @@ class RunLog:
             del device["flags"], device["tag"]
             device["wired"] = [n for bit, n in enumerate(BRIDGES) if identity.wired >> bit & 1]
             device["amplitude"] = identity.amplitude or None
-        content = {
+        return {
             "schema": VERSION,
             "file": self.path.name,
             "columns": list(stream.names),
@@ -259,10 +263,9 @@ class RunLog:
             },
             "clock": None if fit is None else {**asdict(fit), "applied": factor != 1.0},
             "time": stream.time + (corrected if factor != 1.0 else ""),
-            "notes": stream.notes,
+            "notes": [*stream.notes, *self.notes],
             "version": __version__,
         }
-        return write_metadata(self.path, content)
 
     def _write(self, values: np.ndarray) -> None:
         if self._writer is None:
@@ -276,7 +279,8 @@ class RunLog:
         self._recent = np.concatenate([self._recent, values])[-_PLOT_SAMPLES:]
         if time.monotonic() - self._saved > _EVERY:
             self._saved = time.monotonic()
-            self.save(self.settings.omega)
+            content = self._content(self.settings.omega, None, 1.0)
+            self._writer.beside(lambda: write_metadata(self.path, content))
 
     def _lost(self) -> int:
         """Samples missing up to the last one written, or up to the run's end where it was reached.

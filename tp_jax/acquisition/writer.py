@@ -2,12 +2,14 @@
 
 Every block of rows goes to the operating system at once and whole: all that was handed over is safe
 from the death of this process. A thread of its own asks the system to put it on the disk once a
-second, so that a slow disk never makes the reader wait.
+second, and writes what stands beside it, so that a slow disk never makes the reader wait.
 """
 
 import os
+import queue
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +36,8 @@ class CsvWriter:
         except OSError as fault:
             raise InputError(f"Cannot write {path}: {fault.strerror}.") from fault
         os.write(self._fd, (",".join(names) + "\n").encode())
-        self._stop = threading.Event()
+        self._closed = False
+        self._beside: queue.SimpleQueue[Callable[[], object] | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._sync, name="tp-jax-sync", daemon=True)
         self._thread.start()
 
@@ -45,11 +48,17 @@ class CsvWriter:
             block = block[os.write(self._fd, block) :]
         self.rows += len(columns)
 
+    def beside(self, job: Callable[[], object]) -> None:
+        """Has the thread do something with the disk, unless it is still at the last such job."""
+        if self._beside.empty():
+            self._beside.put(job)
+
     def close(self) -> None:
-        """Puts all on the disk."""
-        if self._stop.is_set():
+        """Puts all on the disk, and waits for the thread."""
+        if self._closed:
             return
-        self._stop.set()
+        self._closed = True
+        self._beside.put(None)
         self._thread.join()
         try:
             os.fsync(self._fd)
@@ -57,11 +66,16 @@ class CsvWriter:
             os.close(self._fd)
 
     def _sync(self) -> None:
-        while not self._stop.wait(SYNC_PERIOD):
+        while True:
             try:
+                with suppress(queue.Empty):
+                    job = self._beside.get(timeout=SYNC_PERIOD)
+                    if job is None:
+                        return
+                    job()
                 os.fsync(self._fd)
             except OSError:
-                return  # close tells
+                return  # close tells, or whoever writes the last of what stands beside
 
 
 def already_there(path: Path) -> str:

@@ -170,9 +170,14 @@ void obey(const uint8_t* frame, uint8_t n) {
     return;
   }
   switch (command) {
-    case 0x82:  // DRIVE; the amplitude is the crank's and cannot be commanded
-      if (n < 10) status = 2; else { omega_urad = number; value = realisedOmega(); }
+    case 0x82: {  // DRIVE; the amplitude is the crank's: 0 leaves it, another one cannot be done
+      int32_t amplitude = 0;
+      if (n >= 10) memcpy(&amplitude, frame + 6, 4);
+      bool other = amplitude && AMPLITUDE_URAD && amplitude != AMPLITUDE_URAD;
+      if (n < 10 || other) status = 2;
+      else { omega_urad = number; value = realisedOmega(); }
       break;
+    }
     case 0x83: beginRun(omega_urad); break;                              // START
     case 0x84: running = false; stopMotor(); break;                      // STOP
     case 0x85: value = number; beginRun(0); break;                       // RELEASE, by hand

@@ -1,6 +1,6 @@
 // The least that `tp-jax record` can read: t [s], phi1, phi2 [rad] on a line, 250 times a second.
 // Straight-line calibration of two bridges, as in the paper; the drive is not commanded.
-// The clock begins anew after 71 minutes: a recording must be shorter.
+// The clock begins anew after 71.6 minutes; the recorder counts on.
 const float OFFSET1 = 512.0, GAIN1 = 810.0, OFFSET2 = 512.0, GAIN2 = 810.0;  // counts, counts/rad
 void setup() { Serial.begin(460800); }
 void loop() {
