@@ -14,7 +14,7 @@ import numpy as np
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._ledger import add_ledger, entries, extended
-from scripts._version import computed
+from scripts._version import computed, unchanged
 from tp_jax.cli.arguments import Parser, count
 
 ROOT = Path(__file__).parent.parent
@@ -150,6 +150,7 @@ def look(number: int, version: str) -> Row:
     begin = time.process_time()
     diagnosis, sealed = diagnosed(root, entry, [hidden])
     spent = round(time.process_time() - begin, 1)
+    unchanged(version)
     shutil.rmtree(root)
     causes = diagnosis["causes"]
     harms = [x for x in (sealed["harm_windowed"], sealed["harm_free_run"]) if x is not None]

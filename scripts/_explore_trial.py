@@ -220,8 +220,8 @@ class StandIn:
         p = self.hidden.parameters
         made = []
         for entry in entries_of(folder):
-            meta = json.loads(Path(f"{folder / entry['file']}.meta.json").read_text())
-            made.append(Run(entry.get("omega"), meta["drive"]["release"]))
+            meta = json.loads(Path(f"{entry.file}.meta.json").read_text())
+            made.append(Run(entry.omega, meta["drive"]["release"]))
         known = self.shown(made)
         evidence = known - math.log(len(catalogue()))
         probability = 1.0 / (1.0 + math.exp(-max(min(evidence, 30.0), -30.0)))

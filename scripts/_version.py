@@ -10,6 +10,8 @@ import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
+from tp_jax.errors import InputError
+
 PACKAGE = Path(__file__).parent.parent / "tp_jax"
 
 APART = (
@@ -35,6 +37,19 @@ def computed(package: Path = PACKAGE) -> str:
         code = ast.dump(_bare(ast.parse(file.read_text(encoding="utf-8"))))
         digest.update(f"{name}\0{code}\0".encode())
     return digest.hexdigest()
+
+
+def unchanged(version: str, package: Path = PACKAGE) -> None:
+    """Sees that the package is still of a version: a trial's worker imports it after the start.
+
+    Raises:
+        InputError: it is not.
+    """
+    if not computed(package).startswith(version):
+        raise InputError(
+            f"The package is not of version {version}; run the same command again, without "
+            "--version."
+        )
 
 
 def files(package: Path = PACKAGE) -> Iterator[Path]:

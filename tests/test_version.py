@@ -4,7 +4,8 @@ import ast
 
 import pytest
 
-from scripts._version import APART, PACKAGE, computed, files
+from scripts._version import APART, PACKAGE, computed, files, unchanged
+from tp_jax.errors import InputError
 
 CODE = '''"""A page."""
 
@@ -49,6 +50,14 @@ def test_a_docstring_alone_is_a_body_all_the_same(tmp_path):
 
 def test_code_counts(tmp_path):
     assert made(tmp_path / "a", CODE) != made(tmp_path / "b", CODE.replace("1.0", "2.0"))
+
+
+def test_a_package_that_changes_meanwhile_is_told(tmp_path):
+    version = made(tmp_path / "a", CODE)[:12]
+    unchanged(version, tmp_path / "a")
+    (tmp_path / "a" / "gap" / "one.py").write_text("A = 2.0\n")
+    with pytest.raises(InputError, match=version):
+        unchanged(version, tmp_path / "a")
 
 
 def test_rooms_apart_do_not_count_and_others_do(tmp_path):

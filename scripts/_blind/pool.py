@@ -14,7 +14,7 @@ from typing import Any
 
 from scripts import _markdown as markdown
 from scripts._ledger import entries, extended
-from scripts._version import computed
+from scripts._version import computed, unchanged
 from tp_jax.cli.arguments import add_executor, positive
 from tp_jax.errors import InputError
 
@@ -245,8 +245,7 @@ def look(rigs: str, number: int, name: str, commit: str | None, version: str) ->
     begin = time.process_time()
     diagnosis, sealed = diagnosed(root, entry)
     spent = round(time.process_time() - begin, 1)
-    if computed()[:VERSION] != version:
-        raise InputError("The package changed while it was tried; the same call tries it anew.")
+    unchanged(version)
     shutil.rmtree(root)
     return row_of(entry, diagnosis, sealed, number, case.seed, rigs, commit, version, spent)
 

@@ -39,7 +39,9 @@ def counted(screens: Path, ledger: Path, version: str) -> str:
             f"{screens} has too few screens; `./scripts/shared_trial look --screens {screens}` "
             "makes them."
         )
-    lines = [each for each in entries(ledger) if each["version"] == version]
+    of = [each for each in entries(ledger) if each["version"] == version]
+    # a rig whose screen was lost is looked at twice and counts once
+    lines = list({(each["fleet"], each["rig"]): each for each in of}.values())
     drawn = drawn_fleets(most)
     return "\n\n".join(
         [

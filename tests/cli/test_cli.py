@@ -114,6 +114,10 @@ def test_version(capsys):
         (["simulate", "--duration", "1e308", "--rate", "1e-307"], "at most 1e+07 s"),
         (["simulate", "--out", "x" * 300], "file name too long"),
         (["simulate", "--out", "/dev/null/x"], "/dev/null"),
+        (["simulate", "--plot", "-"], "--plot must name a file"),
+        (["compare", "a", "b", "--html", "-"], "--html must name a file"),
+        (["check", EXAMPLE, "--figure", "-"], "--figure must name a file"),
+        ([*RECORD[:-1], "-"], "--out must name a file"),
         (["identify", "x" * 300], "xxx"),
         (["identify", EXAMPLE, "--json", "x" * 300], "file name too long"),
         (["identify", EXAMPLE, "--json", "/dev/null/x.json"], "/dev/null"),
@@ -468,6 +472,16 @@ def test_diagnose(any_campaign, capsys, monkeypatch, tmp_path):
     assert main(["diagnose", "c", "--out", "taken"]) == 2
     assert "taken" in capsys.readouterr().err
     assert len(called) == 3  # told before the work rather than after it
+
+
+def test_a_wrong_option_takes_no_kept_fits_away(tmp_path, capsys):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "fits.json").write_text("{}")
+    command = ["diagnose", str(EXAMPLE), "--out", str(out), "--without", "contact_stribek"]
+    assert main(command) == 2
+    assert "contact_stribek" in capsys.readouterr().err
+    assert (out / "fits.json").read_text() == "{}"
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """init, effects, compare and simulate's own numbers."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -170,6 +171,17 @@ def test_compare(k, star, tmp_path, capsys):
     assert found["parameters"]["k"]["differs"] is star
     assert "<script" not in page.read_text()
     assert "contact_stribeck" in page.read_text()
+
+
+def test_an_interval_that_is_missing_has_its_place(tmp_path):
+    a, b = (_diagnosis(tmp_path, name, 0.45, []) for name in ("a", "b"))
+    file = Path(a) / "diagnosis.json"
+    content = json.loads(file.read_text())
+    del content["parameters"]["k"]["ci95"]
+    file.write_text(json.dumps(content))
+    out = tmp_path / "c.json"
+    assert main(["compare", a, b, "--json", str(out)]) == 0
+    assert json.loads(out.read_text())["parameters"]["k"]["ci95"] == [None, [0.44, 0.46]]
 
 
 def test_compare_what_is_no_diagnosis(tmp_path, capsys):

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from tests.waiting import until
+from tp_jax.acquisition.campaign_entry import entries_of
 from tp_jax.acquisition.port import Port
 from tp_jax.acquisition.recorder import record
 from tp_jax.acquisition.run_log import Settings
 from tp_jax.errors import InputError, Notice
 from tp_jax.exploring import explore, state
-from tp_jax.exploring.loop import announced_amplitude
+from tp_jax.exploring.loop import _made_run, announced_amplitude
 from tp_jax.gap.next_run import Finding, Forecast, Limits, Run
 from tp_jax.recordings import load_campaign
 from tp_jax.rig.emulator import Firmware
@@ -104,6 +105,31 @@ def test_it_goes_on_until_the_cause_is_known(rig, tmp_path):
     assert again.explore(folder).to_dict() == result
     assert (again.recorded, again.diagnosed) == ([], [])
     assert files(folder) == before
+
+
+def test_a_corrected_campaign_is_diagnosed_again(rig, tmp_path):
+    folder = tmp_path / "rig"
+    Lab(rig).explore(folder)
+    toml = folder / "campaign.toml"
+    toml.write_text(toml.read_text().replace("[rig]\n", "[rig]\nB1 = 1.2e-3\n"))
+    lab = Lab(rig)
+    lab.explore(folder)
+    assert lab.diagnosed == [3]
+
+
+def test_runs_are_what_the_campaign_says(rig, tmp_path):
+    """In whatever unit: a run that was driven is neither a decay nor one at another frequency."""
+    folder = tmp_path / "rig"
+    Lab(rig).explore(folder, most=2, limits=Limits(1.0))
+    toml = folder / "campaign.toml"
+    text = toml.read_text()
+    for said in ("frequency = 2.0", 'omega = 2.0\nunit = "Hz"', "period = 0.5"):
+        toml.write_text(text.replace("omega = 9.0", said))
+        decay, driven = map(_made_run, entries_of(folder))
+        assert decay == Run(release=0.6)
+        assert driven == Run(omega=pytest.approx(4.0 * np.pi))
+    measured = dataclasses.replace(entries_of(folder)[1], omega=None, measured_drive=True)
+    assert _made_run(measured) == Run()
 
 
 def test_recordings_stay_within_the_limit(rig, tmp_path):

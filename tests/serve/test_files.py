@@ -9,6 +9,7 @@ import pytest
 
 from tests.serve.conftest import COMMANDED, RUNS, TOKEN, answers, opened
 from tp_jax.errors import InputError
+from tp_jax.serve.folder import ServedFolder
 from tp_jax.serve.limits import LIMITS
 from tp_jax.serve.names import inside, readable, safe_name
 
@@ -137,6 +138,35 @@ def test_answers_come_back(filled):
         assert "late.csv" in names
         assert "run-22.csv" not in names
         assert top["rig"]["B1"] == 1.2e-3
+
+
+def test_a_file_of_another_make_puts_no_other_out(client, folder):
+    """Though its name comes first."""
+    rows = RUN.read_bytes()
+    for name in ("m1.csv", "m2.csv"):
+        client.put(f"/recordings/{name}", content=rows)
+    runs = {"m1.csv": "6.25", "m2.csv": "7.5"}
+    said = {n: {"used": True, "kind": "commanded", "omega": w} for n, w in runs.items()}
+    assert client.post("/answers", json={"B1": "", "runs": said}).json() == {"fault": ""}
+    client.put("/recordings/a.csv", content=rows.replace(b",", b";"))
+    top = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
+    omegas = {each["file"]: each.get("omega") for each in top["recording"]}
+    assert omegas == {"m1.csv": 6.25, "m2.csv": 7.5}
+    assert "Its columns differ from those of m1.csv" in client.get("/").text
+
+
+def test_a_recording_below_the_folder_is_checked_again(folder):
+    (folder / "raw").mkdir()
+    file = folder / "raw" / "x.csv"
+    file.write_bytes(RUN.read_bytes())
+    entry = "[[recording]]\nfile = 'raw/x.csv'\nomega = 6.0\n"
+    (folder / "campaign.toml").write_text(entry)
+    served = ServedFolder(folder)
+    assert not served.check().wrong
+    head, *rest = RUN.read_text().splitlines()
+    in_ms = [f"{1e3 * float(t)},{angles}" for t, _, angles in (r.partition(",") for r in rest)]
+    file.write_text("\n".join([head, *in_ms]) + "\n")
+    assert served.check().wrong
 
 
 def test_a_drive_that_was_measured(client, folder):

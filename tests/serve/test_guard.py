@@ -30,6 +30,20 @@ def test_the_first_visit_keeps_the_key_in_a_strict_cookie(folder):
         assert client.get("/").status_code == 200
 
 
+def test_a_ticket_lets_in_once(folder):
+    """Whoever reads it afterwards on the browser's command line stays out."""
+    visit = "/?ticket=abc"
+    with opened(folder, ticket="abc") as client:
+        assert client.get("/?ticket=wrong").status_code == 403
+        assert client.get(visit, follow_redirects=False).status_code == 303
+        assert client.get("/").status_code == 200
+        client.cookies.clear()
+        assert client.get(visit).status_code == 403
+    with opened(folder) as client:
+        assert client.get("/?ticket=").status_code == 403
+        assert client.get("/").status_code == 403
+
+
 @pytest.mark.parametrize("other", ['x={"a":1}', "theme=dark mode", "plain", "a=b=c", ""])
 def test_cookies_of_other_programs_do_not_matter(folder, other):
     with opened(folder) as client:

@@ -16,6 +16,8 @@ from tp_jax.acquisition.run_log import Recorded, metadata_path
 from tp_jax.errors import InputError
 from tp_jax.recordings import LEAST_SAMPLES, load_campaign
 from tp_jax.recordings.checks import check_recording
+from tp_jax.recordings.entries import Entry as Entry
+from tp_jax.recordings.entries import read_plan
 from tp_jax.schemas.checking import read_toml
 
 CAMPAIGN = "campaign.toml"
@@ -32,16 +34,14 @@ def check_campaign(folder: Path) -> None:
         raise InputError(f"Cannot write to {folder}: permission denied.")
 
 
-def entries_of(folder: Path) -> list[dict[str, Any]]:
-    """The [[recording]] tables of the folder's campaign.toml, in order; none where it has none.
+def entries_of(folder: Path) -> tuple[Entry, ...]:
+    """The recordings of the folder's campaign.toml, in order; none where it has none.
 
     InputError where it cannot be read.
     """
     file = folder / CAMPAIGN
-    if not file.exists():
-        return []
-    found = read_toml(file).get("recording", [])
-    return [each for each in found if isinstance(each, dict)] if isinstance(found, list) else []
+    there = file.exists() and read_toml(file).get("recording")
+    return read_plan(file).entries if there else ()
 
 
 def free_name(folder: Path, omega: float | None) -> Path:

@@ -284,7 +284,7 @@ class _Recorder:
         log, identity, omega = self.log, self.stream.identity, self.omega
         fit = log.clock()
         factor = correction(fit)
-        if factor != 1.0:
+        if fit is not None and factor != 1.0:
             try:
                 scale_time(self.path, factor)
             except OSError as fault:  # a second copy may not fit on the disk

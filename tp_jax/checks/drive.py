@@ -23,22 +23,26 @@ class Mistake:
         wrong: what it is, as part of a sentence; {omega} is what was said, {right} what it is
             in rad/s.
         mend: what to write.
+        wrong_of_all, mend_of_all: the same of several runs, which may differ in their numbers.
     """
 
     seen: float | None
     wrong: str
     mend: str
+    wrong_of_all: str
+    mend_of_all: str
 
+
+_LISTED = 3
+"""Numbers that a sentence of several runs shows."""
 
 _T = ' for t under [format.columns], as in t = {{ column = "t", unit = "{unit}" }}'
 
 
 def _time(unit: str, name: str) -> Mistake:
-    return Mistake(
-        TIME[unit],
-        f"the times are in {name}",
-        f'write unit = "{unit}"' + _T.replace("{unit}", unit),
-    )
+    wrong = f"the times are in {name}"
+    mend = f'write unit = "{unit}"' + _T.replace("{unit}", unit)
+    return Mistake(TIME[unit], wrong, mend, wrong, mend)
 
 
 def _frequency(unit: str, name: str) -> Mistake:
@@ -46,6 +50,8 @@ def _frequency(unit: str, name: str) -> Mistake:
         FREQUENCY[unit],
         f"omega = {{omega:g}} is in {name}",
         f'write omega = {{right:.6g}}, or unit = "{unit}" beside it',
+        f"omega is in {name}",
+        f'write unit = "{unit}" beside each omega',
     )
 
 
@@ -60,6 +66,8 @@ MISTAKES = (
         None,
         "omega = {omega:g} is a period in seconds",
         "write period = {omega:g} in place of omega",
+        "omega is a period in seconds",
+        "write period in place of omega, with the same number",
     ),
 )
 
@@ -133,15 +141,25 @@ def _same(mistake: Mistake, runs: Sequence[Driven]) -> Finding:
     omega = runs[0].recording.omega or 0.0
     right = omega * (mistake.seen or 2.0 * math.pi / omega**2)
     told = {"omega": omega, "right": right}
-    at = f"phi1 moves at {runs[0].moves_at:.4g} rad/s where omega is {omega:.4g}, so that "
+    several = len(runs) > 1
+    wrong = mistake.wrong_of_all if several else mistake.wrong
+    mend = mistake.mend_of_all if several else mistake.mend
+    moves, said = _listed([r.moves_at for r in runs]), _listed([r.recording.omega for r in runs])
+    at = f"phi1 moves at {moves} rad/s where omega is {said}, so that "
     return Finding(
         "units",
         "wrong",
         tuple(run.recording.label for run in runs),
-        at + mistake.wrong.format(**told),
-        mistake.mend.format(**told),
+        at + wrong.format(**told),
+        mend.format(**told),
         {"share": max(run.share for run in runs), "moves_at": runs[0].moves_at},
     )
+
+
+def _listed(values: Sequence[float | None]) -> str:
+    """The first three different numbers."""
+    texts = list(dict.fromkeys(f"{value:.4g}" for value in values if value is not None))
+    return ", ".join([*texts[:_LISTED], *(["..."] if len(texts) > _LISTED else [])])
 
 
 def _look(recording: Recording, policy: DrivePolicy) -> Driven:

@@ -116,6 +116,13 @@ def up_to(kind: Kind, most: float, unit: str) -> Kind:
     return limited
 
 
+def file_name(text: str) -> str:
+    """A file's name; `-`, standard output, is none."""
+    if text == "-":
+        raise argparse.ArgumentTypeError("must name a file, which standard output (-) is not")
+    return text
+
+
 def _short(text: str) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 

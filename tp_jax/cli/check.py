@@ -3,7 +3,7 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from tp_jax.cli.arguments import add_campaign, add_common, add_json
+from tp_jax.cli.arguments import add_campaign, add_common, add_json, file_name
 from tp_jax.cli.output import ready, replaced, write_json
 from tp_jax.errors import InputError
 
@@ -23,7 +23,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     add_campaign(parser)
     parser.add_argument(
-        "--figure", metavar="FILE.png", help="draw the angles and phi1's spectrum; also .svg"
+        "--figure",
+        metavar="FILE.png",
+        type=file_name,
+        help="draw the angles and phi1's spectrum; also .svg",
     )
     add_json(parser)
     add_common(parser)

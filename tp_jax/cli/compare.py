@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from tp_jax.cli.arguments import add_common, add_json
+from tp_jax.cli.arguments import add_common, add_json, file_name
 from tp_jax.cli.output import ready, write_json, write_text
 
 
@@ -20,7 +20,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         parser.add_argument(
             name, metavar=name.upper(), help="a diagnosis.json, or the folder that holds it"
         )
-    parser.add_argument("--html", metavar="FILE.html", help="write a page as well")
+    parser.add_argument("--html", metavar="FILE.html", type=file_name, help="write a page as well")
     add_json(parser)
     add_common(parser)
     parser.set_defaults(run=run)

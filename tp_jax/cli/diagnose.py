@@ -93,18 +93,23 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def _kept(file: Path, *, resume: bool) -> Iterator[None]:
     """Says how to go on from the file after Ctrl-C; takes it away where nothing leads on from it.
 
-    Without --resume an earlier leftover is not looked at; it is replaced once the work begins.
+    Without --resume an earlier leftover is not looked at; it is replaced once the work begins, and
+    stays where the command is refused before.
     """
     begun = time.time()
+
+    def earlier() -> bool:
+        return file.is_file() and file.stat().st_mtime < begun
+
     try:
         yield
     except KeyboardInterrupt:
         there = f"; what is done is kept in {file}, and the same command with --resume goes on"
         # an earlier leftover may be of other data
-        mine = file.is_file() and (resume or file.stat().st_mtime >= begun)
+        mine = file.is_file() and (resume or not earlier())
         raise KeyboardInterrupt(f"Interrupted{there if mine else ''}.") from None
     except InputError:
-        if not resume:
+        if not (resume or earlier()):
             forget(file)
         raise
 

@@ -15,6 +15,7 @@ from tp_jax.cli.arguments import (
     add_common,
     add_json,
     angle,
+    file_name,
     frequency_above_zero,
     positive,
     seconds,
@@ -56,7 +57,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         "--duration", metavar="S", type=seconds, required=True, help="seconds of the run"
     )
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--out", metavar="FILE.csv", help="the file to write, never over another")
+    where.add_argument(
+        "--out", metavar="FILE.csv", type=file_name, help="the file to write, never over another"
+    )
     where.add_argument(
         "--campaign",
         metavar="DIR",
@@ -151,7 +154,7 @@ def run_record(args: argparse.Namespace) -> None:
         said.append(f"Not added to the campaign {folder}: {unfit}")
     if recorded.state == "interrupted":
         if said and not args.quiet:
-            print(said[0])
+            print(said[0], file=sys.stderr if args.json == "-" else sys.stdout)
         raise KeyboardInterrupt
     if said:
         raise InputError(" ".join(said))

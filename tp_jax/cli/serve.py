@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> None:
         if not args.quiet:
             print(f"This page is of the folder {folder}; Ctrl-C ends it.", flush=True)
         if not args.no_browser:
-            webbrowser.open(bound.address)
+            webbrowser.open(bound.once)
         bound.run()
     except KeyboardInterrupt:  # between the address and the server's own watch for it
         pass

@@ -7,6 +7,7 @@ from tp_jax.cli.arguments import (
     add_common,
     add_overwrite,
     angle,
+    file_name,
     fixed,
     named,
     positive,
@@ -61,7 +62,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("--out", metavar="FILE.csv", help="default: standard output")
     add_overwrite(parser)
-    parser.add_argument("--plot", metavar="FILE.png", help="draw angles and relative velocity")
+    parser.add_argument(
+        "--plot", metavar="FILE.png", type=file_name, help="draw angles and relative velocity"
+    )
     add_common(parser)
     parser.set_defaults(run=run)
 

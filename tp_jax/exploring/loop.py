@@ -5,14 +5,17 @@ diagnoses.
 """
 
 import dataclasses
+import hashlib
 import json
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from tp_jax._files import bytes_of
 from tp_jax.acquisition.campaign_entry import (
+    CAMPAIGN,
+    Entry,
     append_entry,
     check_campaign,
     entries_of,
@@ -118,12 +121,13 @@ def explore(
     }
     while True:
         entries = entries_of(folder)
-        of = json.loads(json.dumps({"files": [e.get("file") for e in entries], **asked}))
+        names = [entry.name for entry in entries]
+        of = json.loads(json.dumps({"files": names, "sha256": _digest(folder, entries), **asked}))
         if entries and (state.finding is None or state.diagnosed != of):
             finding = _diagnosed(folder, diagnose, state.finding, len(entries), policy)
             runs = state.runs
             last = None
-            if runs and runs[-1].file == entries[-1].get("file"):
+            if runs and runs[-1].file == names[-1]:
                 last = dataclasses.replace(
                     runs[-1],
                     verdict=finding.verdict,
@@ -138,7 +142,7 @@ def explore(
         forecast, run = None, None
         if entries:
             assert state.finding is not None
-            made = [_made_run(folder, entry) for entry in entries]
+            made = [_made_run(entry) for entry in entries]
             step = next_run(state.finding, limits, made, most, duration, policy)
             if isinstance(step, Stop):
                 return Explored(folder.resolve().name, state.runs, state.finding, step)
@@ -178,7 +182,7 @@ def _diagnosed(
 def announced_amplitude(folder: Path) -> float | None:
     """Amplitude of the drive [rad] that the rig announced with the latest recording, or None."""
     for entry in reversed(entries_of(folder)):
-        device = _metadata(folder, entry).get("device")
+        device = _metadata(entry.file).get("device")
         if isinstance(device, dict) and isinstance(device.get("amplitude"), int | float):
             return float(device["amplitude"])
     return None
@@ -188,7 +192,7 @@ def _recovered(folder: Path, state: State) -> State:
     """The state after a program was killed: the run that it recorded is made, or was not."""
     if state.next is None:
         return state
-    files = {entry.get("file") for entry in entries_of(folder)}
+    files = {entry.name for entry in entries_of(folder)}
     made = (state.next,) if state.next.file in files else ()
     return dataclasses.replace(state, runs=(*state.runs, *made), next=None)
 
@@ -210,19 +214,32 @@ def _recorded(folder: Path, record: Record, planned: Made) -> None:
         raise InputError(recorded.fault)
 
 
-def _made_run(folder: Path, entry: dict[str, Any]) -> Run:
-    """Returns what a recording of the campaign was asked to be."""
-    if isinstance(entry.get("omega"), int | float) and entry.get("forced", True):
-        return Run(omega=float(entry["omega"]))
-    drive = _metadata(folder, entry).get("drive")
+def _digest(folder: Path, entries: Sequence[Entry]) -> str:
+    """Digest of the campaign.toml and its recordings: a corrected one is diagnosed again."""
+    digest = hashlib.sha256()
+    for file in (folder / CAMPAIGN, *dict.fromkeys(entry.file for entry in entries)):
+        try:
+            digest.update(hashlib.sha256(bytes_of(file)).digest())
+        except OSError:  # which whoever reads it says better
+            continue
+    return digest.hexdigest()
+
+
+def _made_run(entry: Entry) -> Run:
+    """Returns what a recording of the campaign was asked to be; neither for a measured drive."""
+    if entry.measured_drive:
+        return Run()
+    if entry.forced and entry.omega is not None:
+        return Run(omega=entry.omega)
+    drive = _metadata(entry.file).get("drive")
     release = drive.get("release") if isinstance(drive, dict) else None
     return Run(release=float(release) if isinstance(release, int | float) else 0.0)
 
 
-def _metadata(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
+def _metadata(recording: Path) -> dict[str, Any]:
     """Reads what is known of a recording; nothing where nobody wrote it down."""
     try:
-        content = json.loads(bytes_of(metadata_path(folder / str(entry.get("file")))))
+        content = json.loads(bytes_of(metadata_path(recording)))
     except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}

@@ -118,12 +118,12 @@ def _value(size: Size) -> str:
 
 def _parameter(name: str, a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
     first, second = (each.parameters.get(name, Size()) for each in (a, b))
-    ends = [found for each in (first, second) if (found := bounds(each.ci95)) is not None]
-    apart = len(ends) == 2 and (ends[0][1] < ends[1][0] or ends[1][1] < ends[0][0])
+    one, other = (bounds(each.ci95) for each in (first, second))
+    apart = bool(one and other and (one[1] < other[0] or other[1] < one[0]))
     return {
         "values": [finite(each.value) for each in (first, second)],
         "unit": first.unit or second.unit,
-        "ci95": [[*each] for each in ends],
+        "ci95": [None if each is None else [*each] for each in (one, other)],
         "differs": apart,
         "says": words.parameter(name),
     }

@@ -29,6 +29,7 @@ def create_app(
     folder: Path,
     token: str,
     *,
+    ticket: str = "",
     cookie: str = "tp-jax-serve",
     child: Child = diagnosing,
     limits: Limits = LIMITS,
@@ -38,6 +39,7 @@ def create_app(
     Args:
         folder: that is served; it must be there.
         token: the key that each request needs.
+        ticket: stands for it in the address of one visit; empty: none does.
         cookie: its name; another for each port.
         child: makes the command line of a diagnosis.
         limits: numbers that limit and wait.
@@ -126,7 +128,7 @@ def create_app(
             Route("/job", cancel, methods=["DELETE"]),
             Route("/compare", compare),
         ],
-        middleware=[Middleware(Guard, token=token, cookie=cookie)],
+        middleware=[Middleware(Guard, token=token, ticket=ticket, cookie=cookie)],
         exception_handlers={  # type: ignore[arg-type]
             InputError: _refused,
             OSError: _unwritable,

@@ -10,7 +10,7 @@ from tp_jax.checks import Checked, Finding, check
 from tp_jax.checks.proposal import Answers, Driven, alike, data_files, guessed, written
 from tp_jax.checks.survey import Survey, survey
 from tp_jax.errors import InputError
-from tp_jax.recordings.entries import Entry, read_plan
+from tp_jax.recordings.entries import Entry, Plan, read_plan
 from tp_jax.recordings.faults import CampaignError
 from tp_jax.serve.answers import REMARK
 from tp_jax.serve.names import CAMPAIGN, inside
@@ -54,13 +54,18 @@ class ServedFolder:
         return self.path / CAMPAIGN
 
     def files(self) -> list[File]:
-        """Its data files by name; those whose columns differ from the first one's have a fault."""
+        """Its data files by name; those whose columns differ from the others' have a fault.
+
+        The others are those of the campaign.toml: a file that comes later, whatever its name, does
+        not put them out of it.
+        """
         with self._lock:
             found = [self._look(path) for path in data_files(self.path)]
         pairs = [(file.path, file.survey) for file in found if file.survey is not None]
         if not pairs:
             return found
-        _, others = alike(pairs)
+        there = {entry.file for entry in self._entries()}
+        _, others = alike(sorted(pairs, key=lambda pair: pair[0] not in there))
         return [
             replace(file, survey=None, fault=self.told(others[file.path]))
             if file.path in others
@@ -73,11 +78,8 @@ class ServedFolder:
 
         None where there is none to be read.
         """
-        if not inside(self.path, self.campaign):
-            return None
-        try:
-            plan = read_plan(self.campaign)
-        except CampaignError:
+        plan = self._plan()
+        if plan is None:
             return None
         driven = {each.file.name: _driven(each) for each in plan.entries}
         unused = {each.path.name for each in self.files() if each.survey} - set(driven)
@@ -136,6 +138,19 @@ class ServedFolder:
         """A sentence without the folder before the names of its files."""
         return sentence.replace(f"{self.path}{os.sep}", "")
 
+    def _plan(self) -> Plan | None:
+        """The campaign.toml; None where there is none to be read."""
+        if not inside(self.path, self.campaign):
+            return None
+        try:
+            return read_plan(self.campaign)
+        except CampaignError:  # which the checks report
+            return None
+
+    def _entries(self) -> tuple[Entry, ...]:
+        plan = self._plan()
+        return () if plan is None else plan.entries
+
     def _own(self) -> bool:
         if not self.campaign.is_file() or not inside(self.path, self.campaign):
             return False
@@ -166,25 +181,22 @@ class ServedFolder:
         return file
 
     def _mark(self) -> Mark:
-        """Changes whenever a file of the folder does."""
+        """Changes whenever a file of the folder or of its campaign does."""
+        files = {Path(each.path) for each in os.scandir(self.path)}
+        files |= {entry.file for entry in self._entries() if inside(self.path, entry.file)}
         found = []
-        for each in os.scandir(self.path):
+        for each in files:
             try:
                 if each.is_file():
                     about = each.stat()
-                    found.append((each.name, about.st_mtime_ns, about.st_size))
+                    found.append((str(each), about.st_mtime_ns, about.st_size))
             except OSError:  # a link to itself; what went away just now
                 continue
         return tuple(sorted(found))
 
     def _outside(self) -> tuple[Finding, ...]:
         """A fault for each file of the campaign, itself included, that lies out of the folder."""
-        files = {CAMPAIGN: self.campaign}
-        if inside(self.path, self.campaign):
-            try:
-                files |= {each.name: each.file for each in read_plan(self.campaign).entries}
-            except CampaignError:  # which the checks report
-                pass
+        files = {CAMPAIGN: self.campaign} | {each.name: each.file for each in self._entries()}
         return tuple(
             Finding(
                 "file", "wrong", (name,), "it lies outside the folder of this page", "copy it in"

@@ -42,14 +42,15 @@ HEADERS = {
 class Guard:
     """Lets through requests that know the token and come from the page itself."""
 
-    def __init__(self, app: App, token: str, cookie: str) -> None:
+    def __init__(self, app: App, token: str, cookie: str, ticket: str = "") -> None:
         """
         Args:
             app: behind it.
             token: the key.
             cookie: its name; cookies of one computer are shared by all its ports.
+            ticket: stands for the key in the address of one visit; empty: none does.
         """
-        self.app, self.token, self.cookie = app, token, cookie
+        self.app, self.token, self.cookie, self.ticket = app, token, cookie, ticket
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
@@ -73,8 +74,7 @@ class Guard:
         if refused is not None:
             await _answer(sent, 403, refused)
             return
-        given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
-        if scope["method"] == "GET" and scope["path"] == "/" and self._known(given):
+        if scope["method"] == "GET" and scope["path"] == "/" and self._let_in(scope):
             cookie = f"{self.cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
             # to the address without the token, which then stands in no history
             await _answer(sent, 303, "", [(b"location", b"/"), (b"set-cookie", cookie.encode())])
@@ -101,6 +101,17 @@ class Guard:
         if headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
             return "Only the page itself may change anything here."
         return None
+
+    def _let_in(self, scope: Scope) -> bool:
+        """True if the address holds the key, or the ticket for the first time."""
+        said = parse_qs(scope.get("query_string", b"").decode("latin-1"))
+        if self._known(said.get("token", [""])[0]):
+            return True
+        ticket = said.get("ticket", [""])[0]
+        if not self.ticket or not hmac.compare_digest(ticket.encode(), self.ticket.encode()):
+            return False
+        self.ticket = ""
+        return True
 
     def _known(self, said: str) -> bool:
         return hmac.compare_digest(said.encode(), self.token.encode())

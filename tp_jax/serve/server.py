@@ -21,10 +21,13 @@ class Bound:
 
     Attributes:
         address: of the page, with its key.
+        once: the same for one visit: a browser's command line, where everybody on this computer can
+            read it, must not hold the key.
         port: that it listens at.
     """
 
     address: str
+    once: str
     port: int
     _listening: socket.socket
     _server: uvicorn.Server
@@ -69,8 +72,9 @@ def bind(
             "or leave it out for a free one."
         ) from fault
     port = listening.getsockname()[1]
-    token = secrets.token_urlsafe(limits.token)
-    app = create_app(folder, token, cookie=f"tp-jax-serve-{port}", child=child, limits=limits)
+    token, ticket = (secrets.token_urlsafe(limits.token) for _ in range(2))
+    cookie = f"tp-jax-serve-{port}"
+    app = create_app(folder, token, ticket=ticket, cookie=cookie, child=child, limits=limits)
     config = uvicorn.Config(
         app,
         http="h11",
@@ -82,5 +86,6 @@ def bind(
         server_header=False,
         timeout_graceful_shutdown=3,
     )
-    address = f"http://{HOST}:{port}/?token={token}"
-    return Bound(address, port, listening, uvicorn.Server(config))
+    page = f"http://{HOST}:{port}/"
+    address, once = f"{page}?token={token}", f"{page}?ticket={ticket}"
+    return Bound(address, once, port, listening, uvicorn.Server(config))
