@@ -72,7 +72,7 @@ def candidates(diagnosis: DiagnosisRecord) -> Table | None:
         "place": [row.location or MISSING for row in found],
         "predicted shrink": [percent(row.predicted_shrink) for row in found],
         "realised shrink": [percent(row.realised_shrink) for row in found],
-        "probability": [probability(row.probability) for row in found],
+        verdict.chance_of_candidates(diagnosis): [probability(row.probability) for row in found],
         "note": [row.note or MISSING for row in found],
     }
     said = {name: cells for name, cells in columns.items() if any(c != MISSING for c in cells)}

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 _HEADINGS = {"explained": "bold green", "no_gap": "bold green", "unknown": "bold yellow"}
-_TABLE_HEADS = ("held-out error (rms)", "cause ", "candidate ")
+_TABLE_HEADS = ("held-out error (rms)", "cause ", "candidate ", "candidate, ")
 _STRONG = re.compile(r"[\d.,]+ % of the removable gap is gone")
 
 

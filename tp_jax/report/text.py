@@ -82,7 +82,9 @@ def _candidates(diagnosis: DiagnosisRecord, without: Collection[str] = ()) -> li
         for row in found[:_MOST_CANDIDATES]
         if row.effect not in without
     ]
-    head = ["candidate", "predicted shrink", "realised shrink", "probability", "why it is no cause"]
+    # once a cause is taken, probabilities are of all rounds together
+    name = "candidate, any round" if diagnosis.accepted else "candidate"
+    head = [name, "predicted shrink", "realised shrink", "probability", "why it is no cause"]
     noted = any(row[-1] for row in body)
     return _table(head, body) if noted else _table(head[:-1], [row[:-1] for row in body])
 

@@ -277,6 +277,11 @@ def sizes(cause: Cause) -> list[str]:
     return said
 
 
+def chance_of_candidates(diagnosis: DiagnosisRecord) -> str:
+    """Heading of the candidates' probabilities, which add up over the rounds once one is taken."""
+    return "probability in any round" if diagnosis.accepted else "probability"
+
+
 def next_experiment(diagnosis: DiagnosisRecord) -> str:
     """Says what to record next and why, in two sentences; empty where nothing is proposed."""
     plan = diagnosis.next_experiment
