@@ -66,6 +66,15 @@ def test_a_kept_fit_is_the_same_to_the_last_bit(setting, tmp_path):
     assert len(checkpoint_of(setting, path, resume=True).done) == 2
 
 
+def test_without_a_file_fits_are_kept_in_memory(setting):
+    with keeping(None):
+        first = fitted(setting, variable_projection.fit)
+        again = fitted(setting, variable_projection.fit)
+        assert kept_fits._current.get().taken == 1
+    same(again, first)
+    assert kept_fits._current.get() is None
+
+
 def test_a_fit_that_does_not_end_where_it_did_is_done_anew(setting, tmp_path):
     path = tmp_path / "fits.json"
     with keeping(checkpoint_of(setting, path)):

@@ -138,6 +138,24 @@ def test_a_program_of_another_layout_is_asked_by_any_slot():
         assert not np.asarray(out.jac)[..., 5].any()
 
 
+def test_what_one_program_holds_is_asked_of_it_at_once():
+    """From a refit's first iteration on: a narrow call would be compiled for a single use."""
+    layout = whole_layout()
+    known, ids = Programs(layout), frozenset({"bearing_drag", "contact_stribeck"})
+    known.add(ids)
+    base = ("k", "A", "c1", "M1", "Ts1")
+    slots = [layout.index[s] for s in (*base, "contact_stribeck.a")]
+    asked = []
+
+    def width(program, many):
+        asked.append((program, many))
+        return 4 if many <= 4 else DIRECTIONS
+
+    found = known.portions(slots, frozenset({"bearing_drag"}), width)
+    assert [(sorted(places), program) for places, program in found] == [(list(range(6)), ids)]
+    assert (ids, 6) in asked
+
+
 def test_an_effect_from_outside_has_a_program_of_its_own():
     layout = Layout("double", (*catalogue().values(), Spin()))
     known, mine = Programs(layout), frozenset({"contact_spin"})

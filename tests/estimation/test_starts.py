@@ -9,8 +9,10 @@ from tests.reference import BENCH
 from tests.rigs import synthetic_campaign
 from tp_jax.errors import InputError
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.start import start_from_data
 from tp_jax.estimation.starts import SAMPLINGS, Axis, axes, points, starts
 from tp_jax.model.parameters import BY_NAME
+from tp_jax.recordings import Recording
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +65,19 @@ def test_the_first_start_is_the_datas_own(setting):
     assert len({s.values.get("k") for s in made}) == 4
     alone = starts(setting, 1, seed=9)[0]
     np.testing.assert_array_equal(alone.values.table, made[0].values.table)
+
+
+@pytest.mark.parametrize(("period", "swing"), [(10.0, 0.06), (60.0, 0.3), (0.5, 1e-3)])
+def test_a_slow_or_small_swing_says_what_its_friction_is(period, swing):
+    """Its velocities never come near those of the bench; a start far off has no way back."""
+    natural, drag = 2.0 * np.pi / period, 0.02 * 2.0 * np.pi / period
+    t = np.linspace(0.0, 6.0 * period, 3000)
+    phi1 = swing * np.exp(-drag * t) * np.cos(natural * t)
+    recording = Recording.from_arrays(t, phi1, name="decay")
+    sigma = {"phi1": 1e-3 * swing, "phi2": 1.0}
+    found = start_from_data([recording], sigma, np.array([51]), 1.0, {})
+    assert found["k"] == pytest.approx(natural**2, rel=0.05)
+    assert 0.0 < found["M1"] < 0.1 * found["k"] * swing
 
 
 def test_raw_starts_are_the_points(setting):

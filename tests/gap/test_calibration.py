@@ -21,10 +21,10 @@ from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.gap.calibration import columns, floor, noise_alone
-from tp_jax.gap.choice import _worth_refitting
 from tp_jax.gap.held_out import HeldOut, shrink
 from tp_jax.gap.screen import screen
 from tp_jax.gap.structure import structure_test
+from tp_jax.gap.worth_refitting import worth_refitting
 from tp_jax.recordings import CalibrationError
 
 SENSOR, OTHER = "sensor1_nonlinearity.a", "contact_wear.a"
@@ -235,7 +235,7 @@ def test_an_effect_of_a_sensor_must_stand_out_to_be_refitted():
     ):
         setting = setting_of(error, wrong)
         seen = screen(linear_fit(setting, effect=0.02), setting)
-        found = _worth_refitting(setting, seen, structure_test(seen, 0))
+        found = worth_refitting(setting, seen, structure_test(seen, 0))
         assert {s.id for s in found} == ids
 
 

@@ -12,7 +12,7 @@ SHORT, LONG = (100.0, 100.0, 100.0, 100.0), (4.0, 4.0, 4.0, 4.0)
 
 
 def errors(short=SHORT, long=LONG) -> LeftOut:
-    return LeftOut(np.array(short), np.array(long), np.zeros((len(short), 1)))
+    return LeftOut(np.array(short), np.zeros((len(short), 1)), lambda: np.array(long))
 
 
 def judged(short, long=LONG, misfit=1.0, amplitudes=1, before=SHORT, before_long=LONG):
@@ -52,6 +52,18 @@ def test_what_some_gain_others_must_not_lose():
     assert not found.confirmed
     assert "others worse" in found.reason
     assert judged((20.0, 100.0, 100.0, 119.0)).confirmed
+
+
+def test_long_runs_are_not_asked_where_the_short_ones_refuse():
+    """They take most of the time."""
+
+    def asked():
+        raise AssertionError("long windows were fitted")
+
+    before, after = (LeftOut(np.array(SHORT), np.zeros((4, 1)), asked) for _ in range(2))
+    found = confirm(before, after, 1.0, 1, POLICY)
+    assert not found.confirmed
+    assert np.isnan(found.error_ratio)
 
 
 def test_long_runs_must_not_get_worse():

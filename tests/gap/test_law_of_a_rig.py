@@ -18,6 +18,7 @@ from tp_jax.gap.choice import choose
 from tp_jax.gap.learned import _on_windows_of, choose_or_learn, learn
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.predict import predict
+from tp_jax.gap.probability import cause_probabilities
 from tp_jax.gap.visited import inside_of_others, share_outside
 from tp_jax.recordings import hold_out
 
@@ -61,6 +62,13 @@ def test_no_second_formula_is_sought_before_it(found):
     assert set(first.refits) == {"sensor1_nonlinearity", LAW}
     assert first.taken == LAW
     assert end.taken is None
+
+
+def test_what_the_law_took_counts_once(found):
+    """Nothing is left, so that the round after it has no hypotheses to be likely."""
+    setting, choice, _ = found
+    alone = dataclasses.replace(choice, rounds=choice.rounds[:1])
+    assert cause_probabilities(choice, setting) == cause_probabilities(alone, setting)
 
 
 def test_it_is_named_too_once_formulas_have_done_what_they_can(found):

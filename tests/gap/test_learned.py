@@ -39,6 +39,27 @@ def test_twelve_numbers_are_charged_for_what_they_could_have_taken():
     assert max(found) < 0.0
 
 
+def test_the_choice_goes_on_where_a_law_is_refused(monkeypatch):
+    """With the refits of the first round, which are not done a second time."""
+    calls, answers = [], []
+
+    def choose(setting, baseline, seed, progress, known, elsewhere):
+        calls.append(elsewhere)
+        answers.append(elsewhere(SimpleNamespace(rounds=(SimpleNamespace(searched=None),))))
+        return "formulas" if answers[-1] is None else answers[-1]
+
+    monkeypatch.setattr(learned, "choose", choose)
+    monkeypatch.setattr(learned, "with_supports", lambda setting, fit: setting)
+    monkeypatch.setattr(learned, "_alone", lambda *args: ["a law"])
+    setting = SimpleNamespace(layout=SimpleNamespace(learned={"x"}))
+    for accepted in (None, "a law's choice"):
+        monkeypatch.setattr(learned, "_first_accepted", lambda *args, a=accepted: a)
+        found = learned.choose_or_learn(setting, None, 0, lambda *_: None)
+        assert found == (accepted or "formulas")
+    assert answers == [None, "a law's choice"]
+    assert len(calls) == 2
+
+
 class Left:
     """A fit, as far as one asks what it leaves beyond the noise."""
 

@@ -13,9 +13,11 @@ from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.placement import place
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.windows import Windows
 from tp_jax.gap.applicability import check_known, check_predictable, why_not
+from tp_jax.gap.choice import choose
 from tp_jax.gap.free_run import start_state
 from tp_jax.gap.held_out import (
     FLOOR_ERROR,
@@ -116,6 +118,17 @@ def test_an_effect_that_was_ruled_out_is_not_asked_about():
         check_known(["colum_tilt"])
     with pytest.raises(InputError, match="`tp-jax effects` lists them"):
         tp.diagnose(synthetic_campaign(), without=["zzz"])
+
+
+def test_a_gap_of_which_every_formula_was_ruled_out():
+    campaign = hold_out(synthetic_campaign(effect="spring_asymmetry", hidden={"a": 0.3}))
+    effects = [catalogue()["spring_asymmetry"]]
+    setting = prepare_campaign(campaign, effects=effects, without=["spring_asymmetry"])
+    baseline = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
+    assert baseline.chi2_dof > 2.0
+    choice = choose(setting, baseline, 0, lambda stage, part: None)
+    assert choice.causes == ()
+    assert len(choice.rounds) == 1
 
 
 def test_a_base_faster_than_a_decays_samples():

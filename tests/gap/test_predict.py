@@ -58,6 +58,19 @@ def test_a_drive_that_was_never_seen():
         tp.predict(diagnosis_of(A=0.0), omega=13.0, duration=0.2, rate=100.0)
 
 
+def test_the_pendulum_of_a_diagnosis():
+    """Its angles are those of the bodies, without the zeros of the sensors."""
+    found = tp.Diagnosis.read(diagnosis_of())
+    run = found.predict(omega=13.0, duration=0.2, rate=100.0)
+    motion = tp.simulate(found.pendulum(omega=13.0), run.t)
+    np.testing.assert_allclose(motion.phi1 + ZERO1, run.phi1, atol=1e-9)
+    np.testing.assert_allclose(motion.phi2 + ZERO2, run.phi2, atol=1e-9)
+    at_rest = tp.simulate(found.pendulum(), run.t)
+    assert np.abs(at_rest.phi1).max() < 1e-9
+    with pytest.raises(InputError, match="duration"):
+        found.pendulum(duration=0.0)
+
+
 def test_drifts_run_on_the_clock_of_the_fit(folder):
     """That of the campaign, say; not on one of their own."""
     campaign = synthetic_campaign(1e-5)

@@ -5,6 +5,7 @@ digest of all that goes in, and where its end is in the file, it is looked up in
 one linearisation in place of some twenty. `taken_or_done` is the one place where that happens; it
 wraps the two functions that fit. What is looked up is used only if that linearisation is, bit for
 bit, the one that the search ended with; so a result never depends on where a run was broken off.
+Without a file they are kept in memory: a choice that comes by the same fit again need not search.
 """
 
 import base64
@@ -39,10 +40,25 @@ for each of a hundred fits that take a tenth of a second."""
 Fitter = Callable[..., Fit]
 
 
+class InMemory:
+    """A checkpoint without a file."""
+
+    path = "memory"
+
+    def __init__(self) -> None:
+        self.done: dict[str, Any] = {}
+
+    def put(self, results: Mapping[str, Any]) -> None:
+        """Adds results."""
+        self.done.update(results)
+
+
 class KeptFits:
     """The fits of one diagnosis, in a checkpoint."""
 
-    def __init__(self, checkpoint: Checkpoint, now: Callable[[], float] = time.monotonic):
+    def __init__(
+        self, checkpoint: Checkpoint | InMemory, now: Callable[[], float] = time.monotonic
+    ):
         self.checkpoint = checkpoint
         self.taken = 0
         self._now, self._written, self._new = now, -np.inf, {}
@@ -101,14 +117,11 @@ _current: ContextVar[KeptFits | None] = ContextVar("fits that are kept", default
 
 @contextmanager
 def keeping(checkpoint: Checkpoint | None) -> Iterator[None]:
-    """Within the block fits are looked up in a checkpoint and kept there; None: they are not.
+    """Within the block fits are looked up in a checkpoint and kept there; None: in memory.
 
     What was done is written when the block ends, however it does.
     """
-    if checkpoint is None:
-        yield
-        return
-    kept = KeptFits(checkpoint)
+    kept = KeptFits(checkpoint or InMemory())
     kept.begin()
     token = _current.set(kept)
     try:
@@ -116,7 +129,7 @@ def keeping(checkpoint: Checkpoint | None) -> Iterator[None]:
     finally:
         _current.reset(token)
         kept.write()
-        log.info("%d fits were taken from %s", kept.taken, checkpoint.path)
+        log.info("%d fits were taken from %s", kept.taken, kept.checkpoint.path)
 
 
 def taken_or_done(fitter: Fitter) -> Fitter:

@@ -95,7 +95,10 @@ class Programs:
         out = []
         for call in calls:
             ids = self.cover(active, self.asked([slots[k] for k in call]))
-            room = width(ids, len(call)) - len(call)
+            # Where all goes into one program it is asked for all at once, as it will be from the
+            # next iteration on: a narrow call alone would be compiled for a single use.
+            alone = len(calls) == 1 and ids <= active | new
+            room = width(ids, len(call) + len(rest) if alone else len(call)) - len(call)
             out.append((call + rest[:room], ids))
             rest = rest[room:]
         while rest or not out:

@@ -23,6 +23,7 @@ from tp_jax.recordings.smooth import local_polynomial
 
 ORDER = 3  # of the smoothing polynomials
 T0_GRID = np.geomspace(0.5, 50.0, 9)
+MOVING, MOVING_PART = 0.05, 0.05  # rad/s, and of the largest velocity: slower is at rest
 
 
 def initial_values(setting: PreparedCampaign) -> Values:
@@ -116,7 +117,9 @@ def _inner(t: np.ndarray, width: int) -> np.ndarray:
 
 def _column(d, B1, given, recordings) -> dict[str, float]:
     rider = recordings[0].phi2 is not None
-    terms = {"k": d["y"], "c1": d["v"], "M1": np.sign(d["v"]) * (np.abs(d["v"]) > 0.05)}
+    # where the column hardly moves the sign of its velocity is noise; a slow rig is slow throughout
+    moving = np.abs(d["v"]) > min(MOVING, MOVING_PART * float(np.abs(d["v"]).max()))
+    terms = {"k": d["y"], "c1": d["v"], "M1": np.sign(d["v"]) * moving}
     if rider:
         terms["B2"] = d["a"] + d["a2"]
     if any(is_sine(r) for r in recordings):
@@ -129,10 +132,12 @@ def _column(d, B1, given, recordings) -> dict[str, float]:
         if name in given and name in terms:
             target = target - given[name] * terms.pop(name)
     A = np.stack(list(terms.values()), axis=1)
-    norm = np.sqrt((A**2).mean(axis=0)) + 1e-300
+    norm = np.sqrt((A**2).mean(axis=0))
     positive = np.array([n in ("k", "c1", "M1", "B2") for n in terms])
     lower = np.where(positive, 0.0, -np.inf)
-    x = _bounded(A / norm, target, lower).x / norm
+    there = norm > 0.0  # of a column that never moves nothing is known of its friction
+    x = np.zeros(norm.size)
+    x[there] = _bounded(A[:, there] / norm[there], target, lower[there]).x / norm[there]
     v = {**dict(zip(terms, x, strict=True)), **given}
     k = v["k"] = max(v["k"], 1e-9)
     out = {"k": k, "c1": v["c1"], "M1": max(v["M1"], 1e-3 * np.abs(target).std())}

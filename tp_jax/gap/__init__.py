@@ -4,7 +4,9 @@ applicability, directions   which effects, at which shape constants
 screen, structure, rounding all of them from one linearisation; is anything there at all
 refit, short_windows, crossvalidation
                             the best few, nonlinearly, judged inside the fitted data
-choice, earning             the causes, one by one; which of them earns its place
+choice, worth_refitting, earning
+                            the causes, one by one; which effects are refitted, which earns its
+                            place
 learned, visited            laws that nobody wrote down, where the causes leave structure; their
                             range
 law_curve, short_formula    what is told of such a law

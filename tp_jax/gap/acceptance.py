@@ -131,7 +131,9 @@ def without_doubt(
 def _ending(choice: Choice, final: Refit) -> Choice:
     """A choice that ends with another model; rounds of causes not in it took nothing."""
     rounds = tuple(
-        r if r.taken is None or r.taken in final.ids else dataclasses.replace(r, taken=None)
+        dataclasses.replace(r, taken=None)
+        if r.taken is not None and choice.standing_for(r.taken) not in final.ids
+        else r
         for r in choice.rounds
     )
     return dataclasses.replace(choice, rounds=rounds, final=final)

@@ -83,6 +83,8 @@ def assemble(
         if dropped or doubts.gone:  # the last round looked beside causes that are gone
             seen = screen(final.fit, setting, skip=final.ids, states=False)
             rest = structure_test(seen, seed)
+            last = dataclasses.replace(choice.rounds[-1], structure=rest)
+            choice = dataclasses.replace(choice, rounds=(*choice.rounds[:-1], last))
         structure_p_after = combined(rest.p, after_rest.p, left)
     start_before, free_before = free_errors(setting, before.fit.values, horizon)
     start_after, free_after = (

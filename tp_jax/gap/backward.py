@@ -147,9 +147,11 @@ def _instead(setting: PreparedCampaign, result: Refit, gone: Variant, rival: Ref
 
     From where the cause stood there may be no way: what a spring had, gravity may have now.
     """
-    new = next(x for x in rival.variants if x.effect.id not in result.ids)
+    new = rival.variants[-1]
     variants = [new if x is gone else x for x in result.variants]
-    values: Values = rival.fit.values
+    # causes of the rival's round that have been replaced since are not in the model any more
+    others = [u.name for x in rival.variants if x is not new for u in x.unknowns]
+    values: Values = rival.fit.values.replace(dict.fromkeys(others, 0.0))
     for v in result.variants:
         if v is not gone:
             names = [u.name for u in v.unknowns]

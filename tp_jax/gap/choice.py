@@ -15,9 +15,7 @@ from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import (
     CLEARLY,
     LEAST_PART,
-    LIKELIER,
     NOISE_ALONE,
-    PER_AMPLITUDE,
     TIE,
     TIE_PART,
     clearly,
@@ -40,6 +38,7 @@ from tp_jax.gap.refit import (
 from tp_jax.gap.screen import Scored, Screen, screen
 from tp_jax.gap.short_windows import refit_from_short_windows
 from tp_jax.gap.structure import Structure, structure_test
+from tp_jax.gap.worth_refitting import known_first, with_pair, worth_refitting
 
 log = logging.getLogger(__name__)
 
@@ -52,11 +51,12 @@ SMOOTHING = 0.5  # of what is left: if sharper friction takes so much, it is loo
 LITTLE = 0.5  # of the noise's variance: less is looked at with sharp friction too
 FURTHER = 60  # steps more of a polish that has not ended
 ALTERNATIVES = 3  # effects that are asked for confirmation in one round
-#: samples above which a refit beside causes has a program of its own. To compile it takes 5 CPU s,
-#: to load it 1.5; a pass over 15,000 samples by the program that all share, .14 instead of .04. So
-#: from there on fifteen passes cost more than to compile.
-OWN_PROGRAM = 50_000
-PAIR = 1.1  # times what the best effect promises: two that promise more are both refitted
+#: samples above which a model beside causes that is polished, confirmed and sharpened has programs
+#: of its own, and those above which each refit has. To compile one takes 5 CPU s, and two or three
+#: are needed; a pass over 15,000 samples by the program that all share takes .14 s instead of .04.
+#: A refit makes some twenty passes, all that comes after it a hundred. (On a rig of 60,000 samples
+#: that stayed unexplained three quarters of the time went into programs of single refits.)
+OWN_PROGRAM, EACH_ITS_OWN = 50_000, 150_000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -102,6 +102,12 @@ class Choice:
         """Returns what is left unexplained, as the last round saw it."""
         return self.rounds[-1].structure
 
+    def standing_for(self, taken: str) -> str:
+        """The cause that stands where an effect was taken: itself, or the one that replaced it."""
+        if taken in self.causes:
+            return taken
+        return next((t.cause for t in self.tested if t.rival == taken), taken)
+
 
 def choose(
     setting: PreparedCampaign,
@@ -109,7 +115,7 @@ def choose(
     seed: int,
     progress: Callable[[str, float | None], None],
     known: Refit | None = None,
-    elsewhere: Callable[[Round], bool] | None = None,
+    elsewhere: Callable[[Choice], Choice | None] | None = None,
 ) -> Choice:
     """Adds causes one by one while the data inside the fit support them.
 
@@ -119,8 +125,8 @@ def choose(
         setting, baseline, seed, progress: see `diagnose`.
         known: causes as they were found under another noise. They are judged anew beside their
             rivals; only the way to their optimum is not gone a second time.
-        elsewhere: asked once the first round's refits are done; whether something else than effects
-            of the catalogue is the cause. The choice then ends without a cause.
+        elsewhere: asked once the first round's refits are done, of the choice so far; the choice
+            to end with, where something else than effects of the catalogue is the cause.
     """
     current = Refit(baseline, ())
     rounds: list[Round] = []
@@ -153,6 +159,7 @@ def choose(
         if nothing or last:
             rounds.append(Round(before, current.fit, seen, structure, {}, {}, None))
             break
+        samples = current.fit.problem.windows.count.sum()
         block = blocks_of(current.fit, setting)
         reference = left_out_cost(current.fit)
         refits: dict[str, Refit] = {}
@@ -160,14 +167,14 @@ def choose(
         # Less than chance leaves of noise is not worth a search either.
         left_now = max(removable(current.fit), 0.0)
         enough = max(SETTLED * left_now, BY_CHANCE * np.sqrt(2.0 * current.fit.dof))
-        ranked = _worth_refitting(setting, seen, structure)[: REFITTED[n]]
-        ranked = _known_first(seen, _with_pair(seen, ranked), current, known)
+        ranked = worth_refitting(setting, seen, structure)[: REFITTED[n]]
+        ranked = known_first(seen, with_pair(seen, ranked), current, known)
         for i, s in enumerate(ranked):
             left = min((removable(r.fit) for r in refits.values()), default=np.inf)
             if i >= ALWAYS and left < enough:
                 break
             progress(f"refitting: {s.id}, {i + 1} of {len(ranked)}", i / len(ranked))
-            many = current.fit.problem.windows.count.sum() > OWN_PROGRAM
+            many = samples > EACH_ITS_OWN
             if (current.ids and many) or (i == 0 and s.variant.effect.n_states):
                 # The other effects are a burden that many fits would carry: in addition to what is
                 # in, all without states share a program, of four times the time; so do those with
@@ -182,9 +189,12 @@ def choose(
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         if n == 0 and elsewhere is not None:
             r = Round(before, current.fit, seen, structure, refits, gains, None)
-            if elsewhere(r):
-                rounds.append(r)
-                break
+            other = elsewhere(Choice(sharp_baseline.fit, (r,), sharp))
+            if other is not None:
+                return other
+        if not refits:  # all that apply were ruled out by hand
+            rounds.append(Round(before, current.fit, seen, structure, refits, gains, None))
+            break
         best = likeliest(refits) if small else most_promising(refits, gains, block)
         if small or earned(*gains[best], left_now, refits[best]):
             # What comes next is a look at every effect without states in addition to those
@@ -197,6 +207,8 @@ def choose(
         without: dict[tuple, LeftOut] = {}
         while taken is None and len(confirmations) < ALTERNATIVES:
             progress(f"polishing: {best}", None)
+            if current.ids and samples > OWN_PROGRAM:
+                current.fit.problem.programs.add({*current.ids, best})
             polished = polish(setting, refits[best])
             if not polished.fit.converged:
                 polished = polish(setting, polished, FURTHER)
@@ -290,32 +302,6 @@ def tried(setting: PreparedCampaign, current: Refit, s: Scored, known: Refit | N
     return refit(setting, current.fit, both, known=known.fit)
 
 
-def _known_first(
-    seen: Screen, ranked: list[Scored], current: Refit, known: Refit | None
-) -> list[Scored]:
-    """The effects to refit, a cause that was found before ahead of the others."""
-    if known is None:
-        return ranked
-    new = [id for id in known.ids if id not in current.ids][:1]
-    first = [s for s in seen.scored if s.id in new][:1]
-    return [*first, *(s for s in ranked if s.id not in new)]
-
-
-def _with_pair(seen: Screen, ranked: list[Scored]) -> list[Scored]:
-    """The effects to refit, with those two that would help most together among them.
-
-    Where together they promise clearly more than any one.
-    """
-    pair = seen.pair()
-    if pair is None or not ranked:
-        return ranked
-    a, b, drop = pair
-    amplitudes = len(a.variant.unknowns) + len(b.variant.unknowns)
-    if drop < PAIR * ranked[0].drop + LIKELIER + PER_AMPLITUDE * amplitudes:
-        return ranked
-    return ranked + [s for s in (a, b) if s.id not in {x.id for x in ranked}]
-
-
 def confirmed(
     setting: PreparedCampaign, current: Refit, trial: Refit, without: dict[tuple, LeftOut]
 ) -> Confirmation:
@@ -362,26 +348,6 @@ def _may_be_smoothing(before: Fit, sharp: Fit) -> bool:
         return False
     left, after = removable(before), removable(sharp)
     return after < SMOOTHING * left or left < LITTLE * before.dof
-
-
-def _worth_refitting(setting: PreparedCampaign, seen: Screen, structure: Structure) -> list[Scored]:
-    """The effects worth a refit, best first; one at least.
-
-    Not those that could only help with the wrong sign, nor, of one run, those that drift within
-    it: nothing says that another run would drift alike.
-    A refit knows nothing of the calibration's error. Where that is known, an effect of a sensor
-    must therefore stand out in the screen, which does, or it would be credited with that error.
-    """
-    ranked = seen.best()
-    if any(r.calibration_error for r in setting.recordings):
-        level = POLICY.structure.seen
-        sure = {s.id for s, p in zip(seen.scored, structure.by_variant, strict=True) if p < level}
-        ranked = [
-            s for s in ranked if s.id in sure or not s.variant.effect.location.startswith("sensor")
-        ]
-    if len(setting.fitted) < 2:
-        ranked = [s for s in ranked if not s.variant.effect.drifts] or ranked[:1]
-    return [s for s in ranked if s.drop > 0.0] or ranked[:1]
 
 
 def tied_by_gain(choice: Choice, setting: PreparedCampaign) -> list[list[str]]:

@@ -23,7 +23,8 @@ class Confirmation:
         confirmed: whether it is.
         deviance: fall of the left-out sum of squares over the misfit.
         lost: what groups lose of what others gain.
-        error_ratio: root mean square error over long windows, with the cause over without.
+        error_ratio: root mean square error over long windows, with the cause over without; NaN
+            where the sums of squares refuse it already.
         reason: why not, in a clause; "" if confirmed.
     """
 
@@ -49,15 +50,16 @@ def confirm(
     gained = float(fall[fall > 0.0].sum())
     lost = float(-fall[fall < 0.0].sum())
     deviance = gained - lost
-    ratio = _ratio(without.long, with_cause.long)
     needed = policy.deviance + policy.per_amplitude * amplitudes
-    reason = ""
+    reason, ratio = "", np.nan
     if not deviance > needed:
         reason = "the prediction of recordings left out does not improve beyond chance"
     elif lost > policy.worse * gained:
         reason = "some recordings left out are predicted better and others worse"
-    elif not ratio <= policy.harm:
-        reason = "the prediction of long runs left out gets worse"
+    else:
+        ratio = _ratio(without.long, with_cause.long)
+        if not ratio <= policy.harm:
+            reason = "the prediction of long runs left out gets worse"
     part = lost / gained if gained > 0.0 else np.inf
     return Confirmation(not reason, deviance, part, ratio, reason)
 

@@ -22,8 +22,9 @@ from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.known_noise import choose_under_noise
 from tp_jax.gap.notes import held_out_instead
-from tp_jax.gap.predict import predict
+from tp_jax.gap.predict import found_pendulum, predict
 from tp_jax.gap.visited import inside_of_others
+from tp_jax.model.pendulum import AbstractTorsionPendulum
 from tp_jax.recordings import Campaign, hold_out
 from tp_jax.report.excerpt import excerpt
 from tp_jax.report.html import write_report
@@ -94,6 +95,25 @@ class Diagnosis(DiagnosisRecord):
             rate=rate,
             model=model,
         )
+
+    def pendulum(
+        self,
+        *,
+        omega: float | None = None,
+        duration: float = 10.0,
+        model: Literal["before", "after"] | None = None,
+    ) -> AbstractTorsionPendulum:
+        """The pendulum with what was found, for `tp.simulate`, `tp.sweep` and their derivatives.
+
+        Args:
+            omega: frequency of the drive [rad/s]; None: the motor stands still.
+            duration: of the run [s], over which a drift runs its course.
+            model: None: after, or before where no cause was accepted.
+
+        Raises:
+            InputError: in one sentence, what is wrong with the arguments or the diagnosis.
+        """
+        return found_pendulum(self, omega=omega, duration=duration, model=model)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -184,7 +204,9 @@ def examine(
     with keeping(kept):
         setting, choice = _chosen(campaign, model, seed, without, progress)
         more: tuple[str, ...] = ()
-        other = None if given.held_out else inside_of_others(setting, choice.final)
+        # of one or two recordings a part is held out, and there is no other
+        whole = not given.held_out and len(given.recordings) > 2
+        other = inside_of_others(setting, choice.final) if whole else None
         if other is not None:
             first, campaign = campaign.held_out[0].name, hold_out(given, other)
             now = campaign.held_out[0].name

@@ -262,5 +262,5 @@ def shrink(
     if n < FEW:
         level, usual = (tails.student_level(0.025, dof) for dof in (n - 1, np.inf))
         wider = level / usual * np.sqrt(n / (n - 1))
-        low, high = value - wider * (value - low), value + wider * (high - value)
+        low, high = value - wider * (value - low), min(value + wider * (high - value), 1.0)
     return Shrink(float(value), (float(min(low, value)), float(max(high, value))), True)

@@ -38,7 +38,8 @@ def choose_under_noise(
     trials: Trials = []
     choice = choose_or_learn(setting, baseline, seed, progress, trials=trials)
     if all(not r.forced for r in setting.recordings):
-        setting, baseline, choice = _looked_longer(setting, baseline, choice, seed, progress)
+        looked = _looked_longer(setting, baseline, choice, seed, progress, trials)
+        setting, baseline, choice = looked
     known = None
     # What is left of a large gap is gap still, however slow it looks.
     told = choice.final.fit.chi2_dof < POLICY.noise.below
@@ -76,6 +77,7 @@ def _looked_longer(
     choice: Choice,
     seed: int,
     progress: Callable[[str, float | None], None],
+    trials: Trials,
 ) -> tuple[PreparedCampaign, Fit, Choice]:
     """Decays over longer windows, where shorter ones show no cause.
 
@@ -91,7 +93,7 @@ def _looked_longer(
             break
         progress("longer windows", None)
         setting, baseline = with_noise_of(setting, longer, longer)
-        choice = choose_or_learn(setting, baseline, seed, progress)
+        choice = choose_or_learn(setting, baseline, seed, progress, trials=trials)
         choice = dataclasses.replace(choice, looks=look + 2)
     return setting, baseline, choice
 

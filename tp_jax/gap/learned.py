@@ -26,6 +26,7 @@ from tp_jax.gap.choice import FURTHER, Choice, Round, choose, confirmed, looked_
 from tp_jax.gap.confirmation import Confirmation
 from tp_jax.gap.crossvalidation import gain, left_out_cost
 from tp_jax.gap.earning import LIKELIER, PER_AMPLITUDE, earned
+from tp_jax.gap.left_out import LeftOut
 from tp_jax.gap.misfit import misfits
 from tp_jax.gap.policy import POLICY, LearningPolicy
 from tp_jax.gap.refit import (
@@ -79,20 +80,15 @@ def choose_or_learn(
         trials: gets the laws that are refitted.
     """
     trials = [] if trials is None else trials
-    if not setting.layout.learned:
-        return choose(setting, baseline, seed, progress, known)
-    found: list[_Trial] = []
 
-    def elsewhere(r: Round) -> bool:
-        found.extend(_alone(with_supports(setting, r.searched), r, progress, known, trials))
-        return bool(found)
+    def elsewhere(choice: Choice) -> Choice | None:
+        r = choice.rounds[0]
+        supported = with_supports(setting, r.searched)
+        found = _alone(supported, r, progress, known, trials)
+        return _first_accepted(supported, choice, found, seed, progress) if found else None
 
-    choice = choose(setting, baseline, seed, progress, known, elsewhere)
-    if not found:
-        return choice
-    supported = with_supports(setting, choice.rounds[0].searched)
-    law = _first_accepted(supported, choice, found, seed, progress)
-    return law or choose(setting, baseline, seed, progress, known)
+    asked = elsewhere if setting.layout.learned else None
+    return choose(setting, baseline, seed, progress, known, asked)
 
 
 def _alone(
@@ -241,21 +237,21 @@ def _first_accepted(
 ) -> Choice | None:
     """The choice with the best law that passes what a cause has to pass, or None."""
     last = choice.rounds[-1]
+    passing = [t for t in trials if earned(*t.gain, max(removable(t.base.fit), 0.0), t.result)]
     # The formulas' windows may have been lengthened since the first round: sums of squares are
     # compared on those.
-    there = [(t, _on_windows_of(setting, t.result, last.searched)) for t in trials]
+    there = [(t, _on_windows_of(setting, t.result, last.searched)) for t in passing]
     formulas = left_out_cost(last.searched)
+    without: dict[int, dict[tuple, LeftOut]] = {}
     for trial, compared in sorted(there, key=lambda pair: left_out_cost(pair[1].fit).sum()):
         result, law = trial.result, trial.result.ids[-1]
-        if not earned(*trial.gain, max(removable(trial.base.fit), 0.0), result):
-            continue
         block = blocks_of(compared.fit, setting)
         better = gain(formulas, left_out_cost(compared.fit), block)
         if not earned(*better, max(removable(last.searched), 0.0), compared):
             continue
         progress(f"predicting left-out recordings: {law}", None)
         answer = (
-            confirmed(setting, trial.base, result, {})
+            confirmed(setting, trial.base, result, without.setdefault(id(trial.base.fit), {}))
             if result.fit.converged
             else Confirmation(False, 0.0, 0.0, 1.0, "its fit does not come to an end")
         )
@@ -394,9 +390,9 @@ def _taken(
     if _nothing_left(polished.fit):
         # The whole catalogue in addition to a law is a program of its own, which takes minutes to
         # compile, and what is left is chance by the test of the whole; the test without candidates
-        # follows.
-        before, seen = polished.fit, both
-        structure = Structure(1.0, np.ones(len(both.scored)), 0)
+        # follows. Nothing is a hypothesis there: what the law took would count as its own twice.
+        before, seen = polished.fit, dataclasses.replace(both, scored=())
+        structure = Structure(1.0, np.ones(0), 0)
     else:
         before, seen, structure = looked_at(setting, polished, sharp, seed)
     end = Round(before, polished.fit, seen, structure, {}, {}, None)

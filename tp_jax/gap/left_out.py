@@ -8,7 +8,8 @@ that was left out is what the others have in common.
 """
 
 import dataclasses
-from collections.abc import Collection
+import functools
+from collections.abc import Callable, Collection
 
 import numpy as np
 
@@ -60,14 +61,19 @@ def groups(
 class LeftOut:
     """Errors of a model on groups that it was not fitted to.
 
-    short: (G,) sums of squares in units of the noise, in the windows of the fit; long: (G,) mean
-    squares [rad^2] over long windows, NaN where it could not be integrated; unknowns: (G, u)
-    fitted without each group.
+    short: (G,) sums of squares in units of the noise, in the windows of the fit; unknowns: (G, u)
+    fitted without each group; over_long: computes `long`, for which all windows are fitted once
+    more: most causes that are refused are so by the short ones.
     """
 
     short: np.ndarray
-    long: np.ndarray
     unknowns: np.ndarray
+    over_long: Callable[[], np.ndarray]
+
+    @functools.cached_property
+    def long(self) -> np.ndarray:
+        """(G,) mean squares [rad^2] over long windows, NaN where it could not be integrated."""
+        return self.over_long()
 
 
 def left_out(
@@ -94,7 +100,7 @@ def left_out(
     whole = result.fit
     windows = whole.problem.windows
     found = moves(whole, group)
-    short, long, unknowns = [], [], []
+    short, unknowns, later = [], [], []
     for g in np.unique(group):
         inside = group == g
         gone = set(windows.recording[inside]) - set(windows.recording[~inside])
@@ -108,15 +114,25 @@ def left_out(
         mine = np.flatnonzero(inside)
         there = _states_fitted(result, values, free, mine, None)
         short.append(there.linearisation.cost())
-        longer = _states_fitted(result, values, free, mine, policy.long)
-        error = longer.linearisation.samples * np.tile(
-            longer.problem.sigma, longer.linearisation.n_samples
-        )
-        valid = longer.linearisation.valid[:, :-4]
-        complete = longer.linearisation.complete.all()
-        long.append(float((error[valid] ** 2).mean()) if complete and valid.any() else np.nan)
+        later.append(functools.partial(_over_long, result, values, free, mine, policy.long))
         unknowns.append(values.pick(whole.unknowns))
-    return LeftOut(np.array(short), np.array(long), np.array(unknowns))
+    return LeftOut(
+        np.array(short), np.array(unknowns), lambda: np.array([error() for error in later])
+    )
+
+
+def _over_long(
+    result: Refit, values: Values, free: list[Unknown], mine: np.ndarray, factor: float
+) -> float:
+    """Mean square [rad^2] of a group's error in windows so many times longer; NaN: no answer."""
+    longer = _states_fitted(result, values, free, mine, factor)
+    error = longer.linearisation.samples * np.tile(
+        longer.problem.sigma, longer.linearisation.n_samples
+    )
+    valid = longer.linearisation.valid[:, :-4]
+    if not (longer.linearisation.complete.all() and valid.any()):
+        return np.nan
+    return float((error[valid] ** 2).mean())
 
 
 def _fitted_without(

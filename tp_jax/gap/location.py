@@ -38,7 +38,7 @@ def locate(choice: Choice, setting: PreparedCampaign, seed: int = 0) -> list[Loc
     for r in choice.rounds:
         if r.taken is None:
             continue
-        location = get_effect(_standing_for(choice, r.taken)).location
+        location = get_effect(choice.standing_for(r.taken)).location
         drop = max(r.searched.cost - r.refits[r.taken].cost, 0.0)
         taken[location] = taken.get(location, 0.0) + drop
         when.setdefault(location, describe(r, location))
@@ -50,13 +50,6 @@ def locate(choice: Choice, setting: PreparedCampaign, seed: int = 0) -> list[Loc
         ranked = sorted(taken.items(), key=lambda kv: -kv[1])
         return [Location(p, CHANNELS[p], v / norm, when[p], None) for p, v in ranked if v > 0.0]
     return _without_cause(choice, setting, taken, when, seed)
-
-
-def _standing_for(choice: Choice, taken: str) -> str:
-    """The cause that stands where an effect was taken: itself, or the one that replaced it."""
-    if taken in choice.causes:
-        return taken
-    return next((t.cause for t in choice.tested if t.rival == taken), taken)
 
 
 def _without_cause(choice, setting, taken, when, seed) -> list[Location]:

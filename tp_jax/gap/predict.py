@@ -53,12 +53,65 @@ def predict(
     given = [x is not None for x in (omega, phi1, recording)]
     if sum(given) != 1:
         raise InputError("A prediction needs exactly one of omega, phi1 and recording.")
-    if model not in (None, "before", "after"):
-        raise InputError(f"A prediction is by the model 'before' or 'after', not {model!r}.")
     for name, x in (("duration", duration), ("rate", rate)):
         if x is not None and not 0.0 < x < np.inf:
             raise InputError(f"The {name} of a prediction must be above zero, but is {x:g}.")
     diagnosis = found if isinstance(found, Mapping) else found.to_dict()
+    record = _fit_of(diagnosis, model)
+    if recording is not None:
+        return _of_recording(diagnosis, record, Path(recording), duration, rate)
+    if duration is None or rate is None:
+        raise InputError("A prediction needs a duration and a rate; give --duration and --rate.")
+    x0 = np.zeros(4)
+    if phi1 is not None:
+        x0[0] = phi1
+    return readings_of(_pendulum_of(record, omega, duration), times(0.0, duration, rate), x0)
+
+
+def found_pendulum(
+    found: Found,
+    *,
+    omega: float | None = None,
+    duration: float = 10.0,
+    model: str | None = None,
+) -> AbstractTorsionPendulum:
+    """The pendulum of a diagnosis, for `tp.simulate`, `tp.sweep` and their derivatives.
+
+    Args:
+        found: a diagnosis, or the dictionary of it.
+        omega: frequency of the drive [rad/s]; None: the motor stands still.
+        duration: of the run [s], over which a drift runs its course.
+        model: "before" or "after"; None: after, or before where no cause was accepted.
+
+    Returns:
+        The pendulum with the effects that were accepted. `tp.simulate` gives its angles; its
+        `readings` have what the sensors say of them.
+
+    Raises:
+        InputError: in one sentence, what is wrong with the arguments or the diagnosis.
+    """
+    if not 0.0 < duration < np.inf:
+        raise InputError(f"The duration of a run must be above zero, but is {duration:g}.")
+    diagnosis = found if isinstance(found, Mapping) else found.to_dict()
+    return _pendulum_of(_fit_of(diagnosis, model), omega, duration)
+
+
+def _pendulum_of(
+    record: Mapping[str, Any], omega: float | None, duration: float
+) -> AbstractTorsionPendulum:
+    if omega is not None and not record["parameters"].get("A"):
+        raise InputError(
+            "The diagnosis knows no commanded drive, all its recordings being decays or of a "
+            "measured one; ask for --phi1 or --recording."
+        )
+    drift = (0.5 * duration, 1.0 / duration)
+    return pendulum(record, drive_for(record, omega=omega), None, drift)
+
+
+def _fit_of(diagnosis: Mapping[str, Any], model: str | None) -> Mapping[str, Any]:
+    """The fit before or after, if a pendulum can be made of it."""
+    if model not in (None, "before", "after"):
+        raise InputError(f"A prediction is by the model 'before' or 'after', not {model!r}.")
     try:
         if model is None:
             model = "before" if diagnosis["fits"]["after"] is None else "after"
@@ -72,22 +125,7 @@ def predict(
         raise InputError("The diagnosis accepted no cause, so that it has only a model 'before'.")
     _check_parameters(record["parameters"])
     _check_effects(record)
-    if recording is not None:
-        return _of_recording(diagnosis, record, Path(recording), duration, rate)
-    if duration is None or rate is None:
-        raise InputError("A prediction needs a duration and a rate; give --duration and --rate.")
-    t = times(0.0, duration, rate)
-    if omega is not None and not record["parameters"].get("A"):
-        raise InputError(
-            "The diagnosis knows no commanded drive, all its recordings being decays or of a "
-            "measured one; ask for --phi1 or --recording."
-        )
-    drift = (0.5 * duration, 1.0 / duration)
-    x0 = np.zeros(4)
-    if phi1 is not None:
-        x0[0] = phi1
-    m = pendulum(record, drive_for(record, omega=omega), None, drift)
-    return readings_of(m, t, x0)
+    return record
 
 
 def _check_parameters(parameters: Mapping[str, float]) -> None:

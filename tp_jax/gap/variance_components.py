@@ -18,6 +18,7 @@ from tp_jax.estimation.elimination import Eliminated
 
 LEAST, MOST = -8.0, 18.0  # of the logarithm of a variance, in units of what one window can tell
 STARTS = (2.0, 8.0)
+ENOUGH = {"ftol": 1e-6}  # of -2 log likelihood: a hundredth of it where sources differ by many
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,7 +78,7 @@ class VarianceComponents:
 
         limits = [(LEAST, MOST)] * len(names)
         tried = [
-            minimize(objective, x, jac=True, method="L-BFGS-B", bounds=limits)
+            minimize(objective, x, jac=True, method="L-BFGS-B", bounds=limits, options=ENOUGH)
             for x in ([np.full(len(names), x) for x in STARTS] if start is None else [start])
         ]
         best = min(tried, key=lambda found: found.fun)
