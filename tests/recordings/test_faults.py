@@ -82,7 +82,7 @@ TOML_FAULTS = {
     "decimal": ("[rig]", '[format]\ndecimal = ";"\n[rig]', 4, ['decimal = ","']),
     "delimiter is decimal": (
         "[rig]",
-        '[format]\ndelimiter = ","\ndecimal = ","\n[rig]',
+        '[format]\ndelimiter = "."\ndecimal = "."\n[rig]',
         4,
         ["both"],
     ),

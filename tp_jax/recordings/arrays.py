@@ -13,9 +13,9 @@ from tp_jax.recordings import units
 from tp_jax.recordings.checks import check_span, check_times, check_values
 from tp_jax.recordings.columns import Columns
 from tp_jax.recordings.entries import Entry, Known, Model
-from tp_jax.recordings.readings import even_times
+from tp_jax.recordings.readings import even_times, from_first_row
 from tp_jax.recordings.recorded_run import RecordedRun
-from tp_jax.recordings.tables import as_numbers
+from tp_jax.recordings.tables import as_numbers, is_dated, is_zoned
 
 
 def recording_fields(
@@ -52,8 +52,9 @@ def recording_fields(
     file, values = Path(name), {}
     for key, array in given.items():
         if array is not None:
-            column = as_numbers(file, key, np.asarray(array))
-            dates = key == "t" and np.asarray(array).dtype.kind in "Mm"
+            cells = np.asarray(array)
+            column = as_numbers(file, key, cells)
+            dates = key == "t" and (cells.dtype.kind in "Mm" or is_dated(cells))
             factor = 1.0 if dates else factors.get(key, 1.0)
             values[key] = column if factor == 1.0 else column * factor
     shapes = {key: column.shape for key, column in values.items()}
@@ -64,18 +65,22 @@ def recording_fields(
         )
     digest = hashlib.sha256(b"".join(column.tobytes() for column in values.values())).hexdigest()
     finite = bool(np.isfinite(values["t"]).all())
+    notes = []
+    if finite:
+        values["t"], note = from_first_row(values["t"])
+        notes += [f"{name}: {each}" for each in note]
     t, quantum = even_times(values["t"], values) if finite else (values["t"], None)
-    notes = ()
     if quantum is not None:
         values["t"] = t
-        notes = (f"{name}: times are rounded to {quantum:.3g} s, and were made even",)
+        notes.append(f"{name}: times are rounded to {quantum:.3g} s, and were made even")
     columns = Columns(
         file,
         values,
         range(values["t"].size),
         None,
         digest,
-        dated=np.asarray(given["t"]).dtype.kind == "M",
+        dated=is_dated(np.asarray(given["t"])),
+        zoned=is_zoned(np.asarray(given["t"])),
     )
     check_times(columns)
     check_span(columns, Entry(name, file, forced), 0, values["t"].size, file)
@@ -95,7 +100,7 @@ def recording_fields(
         "start": None,
         "repeat": None,
         "held_out": False,
-        "notes": notes,
+        "notes": tuple(notes),
         **more,
     }
 
@@ -105,8 +110,8 @@ def campaign_fields(
     *,
     name: str = "campaign",
     B1: float | None = None,
-    B2: float | tuple[float, float] | None = None,
-    k: float | tuple[float, float] | None = None,
+    B2: ArrayLike | None = None,
+    k: ArrayLike | None = None,
     model: Model | None = None,
 ) -> dict[str, Any]:
     """The fields of a `Campaign`, checked; arguments as of `Campaign.from_arrays`.
@@ -136,8 +141,8 @@ def campaign_fields(
         "name": name,
         "model": model,
         "B1": B1,
-        "B2": _known(B2),
-        "k": _known(k),
+        "B2": _known("B2", B2),
+        "k": _known("k", k),
         "sample_rate": None,
         "recordings": tuple(recordings),
         "folder": Path(),
@@ -172,7 +177,17 @@ def _factor(argument: str, unit: str, table: Mapping[str, float]) -> float:
     return table[name]
 
 
-def _known(value: float | tuple[float, float] | None) -> Known | None:
+def _known(argument: str, value: ArrayLike | None) -> Known | None:
+    """A number that is fixed, or a pair of any kind, (value, standard deviation)."""
     if value is None:
         return None
-    return Known(*value) if isinstance(value, tuple) else Known(float(value))
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.shape not in ((), (2,)):
+        raise InputError(
+            f"Argument {argument} must be a number or a pair (value, standard deviation), but is "
+            f"{value!r}."
+        )
+    return Known(*numbers.ravel().tolist())

@@ -1,18 +1,48 @@
 """Rows of text to numbers: fast where all is well, and cell by cell where it is not."""
 
+import csv
+import re
 from collections.abc import Mapping
 from typing import NoReturn
 
 import numpy as np
 
-from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
+from tp_jax.recordings.clock_times import (
+    FORMS,
+    day_or_month,
+    is_date_or_clock,
+    seconds_since_first,
+)
 from tp_jax.recordings.faults import CampaignError, in_rows, shortened
 from tp_jax.recordings.lines import Lines
 
+_TITLE = re.compile(r"\S+(?:\s+(?:\[[^\]]*\]|\([^)]*\)|/\s*\S+))*")
+"""A word, and the units behind it that stand as words of their own: "t [s]", "t (s)", "t / s"."""
+
 
 def split(line: str, delimiter: str | None) -> list[str]:
-    """Cells of a line, stripped of blanks and quotes; delimiter None: any white space."""
-    return [cell.strip().strip('"').strip() for cell in line.split(delimiter)]
+    """Cells of a line, stripped of blanks and quotes; delimiter None: any white space.
+
+    A delimiter in quotes parts nothing: `"0,004","1,23"` are two cells.
+    """
+    cells = line.split(delimiter)
+    if delimiter is not None and '"' in line and any(cell.count('"') % 2 for cell in cells):
+        # a quote without another, as of inches, must not swallow the rest of the line
+        if line.count('"') % 2 == 0 and len(line) < csv.field_size_limit():
+            cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    return [cell.strip().strip('"').strip() for cell in cells]
+
+
+def split_title(line: str, delimiter: str | None, width: int) -> list[str]:
+    """Cells of a line above the rows, which have `width` cells.
+
+    Between white space a unit may stand as a word of its own, as NumPy's `savetxt` writes a
+    header: it belongs to the name before it, unless the words are as many as the cells of a row.
+    """
+    cells = split(line, delimiter)
+    if delimiter is not None or len(cells) == width:
+        return cells
+    return [" ".join(cell.replace('"', " ").split()) for cell in _TITLE.findall(line)]
 
 
 def number(cell: str, decimal: str) -> float | None:
@@ -51,8 +81,22 @@ def parse(
     """
     rows = lines.text[first:]
     _check_widths(lines, first, delimiter, model_row)
+    # Quotes, within which a delimiter parts nothing, the fast way does not take. Where it fails
+    # there is a fault, whose place is found cell by cell.
+    values = None
+    if not any('"' in row for row in rows):
+        values = _at_once(rows, positions, delimiter, decimal)
+    if values is None:
+        values = _cell_by_cell(lines, first, positions, delimiter, decimal)
+    return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(positions)}
+
+
+def _at_once(
+    rows: list[str], positions: Mapping[str, int], delimiter: str | None, decimal: str
+) -> np.ndarray | None:
+    """(n, columns) numbers; None where a cell is none."""
     try:
-        values = np.loadtxt(
+        return np.loadtxt(
             rows if decimal == "." else [row.replace(decimal, ".") for row in rows],
             delimiter=delimiter,
             usecols=list(positions.values()),
@@ -60,16 +104,17 @@ def parse(
             ndmin=2,
         )
     except ValueError:
-        # Either a fault, whose place is found now, or quotes, which the fast way does not take.
-        values = _cell_by_cell(lines, first, positions, delimiter, decimal)
-    return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(positions)}
+        return None
 
 
 def _check_widths(lines: Lines, first: int, delimiter: str | None, model_row: int) -> None:
     if delimiter is None:
         widths = [len(row.split()) for row in lines.text]
     else:
-        widths = [row.count(delimiter) + 1 for row in lines.text]
+        widths = [
+            len(split(row, delimiter)) if '"' in row else row.count(delimiter) + 1
+            for row in lines.text
+        ]
     wanted = widths[model_row]
     if widths[first:] == [wanted] * (len(widths) - first):
         return
@@ -127,12 +172,15 @@ def _refuse(lines: Lines, name: str, column: list[str], at: list[int], first: in
     """Faults cells that are no numbers, all of a column at once."""
     cell = column[at[0] - first]
     more = in_rows([lines.numbers[i] for i in at])
-    empty = cell == ""
+    mend = "write a number there, or set delimiter and decimal under [format]"
+    if cell == "":
+        mend = f"remove the {'row' if len(at) == 1 else 'rows'}, a gap in time is understood"
+    elif name == "t" and (":" in cell or day_or_month(cell)):
+        mend = FORMS
     raise CampaignError(
         lines.file,
-        f'{name} is not a number but "{shortened(cell)}"{more}',
-        f"remove the {'row' if len(at) == 1 else 'rows'}, a gap in time is understood"
-        if empty
-        else "write a number there, or set delimiter and decimal under [format]",
+        f'{name} is not a number but "{shortened(cell)}"{more}'
+        + (", of which the day may be either number" if day_or_month(cell) else ""),
+        mend,
         lines.numbers[at[0]],
     )

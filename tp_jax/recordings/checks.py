@@ -55,7 +55,8 @@ def check_times(columns: Columns) -> None:
         factor = source.factor("t")
         period = clocks.period_of((t - source.offset) / factor)
         counted = None if period is None else (period, factor)
-    fall = clocks.fall_of(t, columns.dated, counted and counted[0] * counted[1])
+    period = counted and counted[0] * counted[1]
+    fall = clocks.fall_of(t, columns.dated, period, columns.zoned)
     if fall is None:
         _check_repeated(columns)
         return

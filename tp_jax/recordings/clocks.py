@@ -116,16 +116,17 @@ def without_hours(t: np.ndarray, dated: bool) -> tuple[np.ndarray, np.ndarray]:
     return t + np.concatenate([[0.0], np.cumsum(off)]), np.flatnonzero(hours) + 1
 
 
-def fall_of(t: np.ndarray, dated: bool, period: float | None) -> Fall | None:
+def fall_of(t: np.ndarray, dated: bool, period: float | None, zoned: bool = False) -> Fall | None:
     """Finds why times do not rise; None where they do.
 
     Args:
         t: (n,) finite times [s].
         dated: they were written as dates or clock times.
         period: as of `period_of`, in seconds.
+        zoned: the dates tell their offset from UTC, which has no summer time.
     """
     steps = np.diff(t)
-    hours = np.flatnonzero(_hours(t, dated)) + 1
+    hours = np.flatnonzero(_hours(t, dated) & (not zoned)) + 1
     falls = np.flatnonzero(steps < 0.0) + 1
     if not falls.size:
         return Fall("hour", int(hours[0]), hours) if hours.size else None

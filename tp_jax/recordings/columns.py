@@ -28,6 +28,7 @@ class Columns:
         sources: name -> where it came from; empty without a file.
         form: the format it was read by.
         dated: times were written as dates or clock times.
+        zoned: dates that tell their offset from UTC, so that no summer time is in them.
         notes: what was done to the rows, a sentence each, without its end.
         thinned: of rows that say the same only one was kept.
     """
@@ -42,6 +43,7 @@ class Columns:
     sources: Mapping[str, ColumnSource] = field(default_factory=dict)
     form: FileFormat = field(default_factory=FileFormat)
     dated: bool = False
+    zoned: bool = False
     notes: tuple[str, ...] = ()
     thinned: bool = False
 
@@ -76,11 +78,27 @@ def changed(sources: Mapping[str, ColumnSource], form: FileFormat) -> dict[str, 
 
 
 def chosen_sources(
-    sources: Mapping[str, ColumnSource], wanted: Sequence[str]
+    sources: Mapping[str, ColumnSource],
+    wanted: Sequence[str],
+    fault: Callable[[str, str], Exception],
 ) -> dict[str, ColumnSource]:
-    """The sources of the columns wanted, and of those that they are counted from."""
+    """The sources of the columns wanted, and of those that they are counted from.
+
+    Raises:
+        Exception: what `fault(wrong, mend)` makes, where a column is counted from none.
+    """
     needed = [name for name in wanted if name in sources]
-    needed += [m for n in needed if (m := sources[n].minus) is not None and m not in needed]
+    for name in needed:  # grows: what is taken off may itself be counted from another
+        minus = sources[name].minus
+        if minus is None or minus in needed:
+            continue
+        if minus not in sources:
+            raise fault(
+                f'minus of {name} is "{minus}", a column that the file does not have',
+                f"remove minus of {name} under [format.columns] or beside the file, or add {minus} "
+                "to the file",
+            )
+        needed.append(minus)
     return {name: sources[name] for name in needed}
 
 

@@ -1,5 +1,6 @@
 """[format] of a campaign.toml: how the data files of other makers are laid out."""
 
+from collections.abc import Iterable
 from typing import Any, cast
 
 from tp_jax.recordings import units
@@ -26,7 +27,8 @@ def read_format(section: Section | None) -> FileFormat:
         section.fault(
             f'the decimal sign is "{decimal}"', 'write decimal = "." or decimal = ","', "decimal"
         )
-    if delimiter is not None and delimiter == decimal:
+    # of a comma that is both the file tells: decimal commas may be in quotes
+    if delimiter is not None and delimiter == decimal == ".":
         section.fault(
             f'delimiter and decimal are both "{decimal}"', "say which of them it is", "delimiter"
         )
@@ -58,6 +60,7 @@ def read_changes(section: Section | None) -> dict[str, dict[str, Any]]:
     found = {}
     for name in section.values:
         source = _column(section, name, whole=False)
+        _check_minus(section, name, source, NAMES)
         given = cast(Section, section.section(name)).values
         found[name] = {key: getattr(source, key) for key in given}
     return found
@@ -72,13 +75,19 @@ def _columns(columns: Section) -> dict[str, ColumnSource]:
             )
     sources = {name: _column(columns, name) for name in columns.values}
     for name, source in sources.items():
-        if source.minus is not None and (source.minus == name or source.minus not in sources):
-            columns.fault(
-                f'minus of {name} is "{source.minus}", which is no other column of {columns.title}',
-                'write minus = "phi1"',
-                name,
-            )
+        _check_minus(columns, name, source, sources)
     return sources
+
+
+def _check_minus(columns: Section, name: str, source: ColumnSource, others: Iterable[str]) -> None:
+    """Faults a column that is counted from itself, or from none of the others."""
+    if source.minus is None or (source.minus != name and source.minus in others):
+        return
+    columns.fault(
+        f'minus of {name} is "{source.minus}", which is no other column of {columns.title}',
+        "remove it" if name in REQUIRED else 'write minus = "phi1"',
+        name,
+    )
 
 
 def _column(columns: Section, name: str, whole: bool = True) -> ColumnSource:

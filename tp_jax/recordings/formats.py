@@ -5,11 +5,11 @@ paper's three columns without a header, texts of other makers, whose layout is f
 described by a `FileFormat`, and files of other kinds, each by a library (`tables`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tp_jax.recordings.cells import parse, split
-from tp_jax.recordings.clock_times import is_date_or_clock
+from tp_jax.recordings.clock_times import has_zone, is_date_or_clock
 from tp_jax.recordings.columns import Columns, changed, chosen_sources, position_by_name
 from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.joined import check_joined
@@ -54,8 +54,8 @@ def read_columns(
             lines.numbers[-1],
         )
     row = split(lines.text[layout.first], layout.delimiter)
-    sources = changed(_sources(lines, layout, row, form), form)
-    chosen = chosen_sources(sources, wanted)
+    sources = changed(_sources(lines, layout, row, form, wanted), form)
+    chosen = chosen_sources(sources, wanted, _faults(lines, layout))
     positions = {
         name: _position(lines, layout, name, source.column, row) for name, source in chosen.items()
     }
@@ -63,8 +63,9 @@ def read_columns(
     cells = parse(
         lines, layout.first, positions, layout.delimiter, layout.decimal, model_row=layout.like
     )
-    dated = is_date_or_clock(row[positions["t"]])
-    read = readings(file, chosen, cells, dated=dated, held=form.held)
+    first = row[positions["t"]]
+    dated, zoned = is_date_or_clock(first), has_zone(first)
+    read = readings(file, chosen, cells, dated=dated, zoned=zoned, held=form.held)
     numbers = lines.numbers[layout.first :]
     return Columns(
         file=file,
@@ -75,6 +76,7 @@ def read_columns(
         sources=chosen,
         form=form,
         dated=dated,
+        zoned=zoned,
         notes=(*empty_rows(file, left_out, lines.numbers[layout.first]), *read.notes),
         thinned=read.rows.size < len(numbers),
     )
@@ -90,12 +92,13 @@ def empty_rows(file: Path, left_out: Sequence[int], first: int) -> tuple[str, ..
 
 
 def _sources(
-    lines: Lines, layout: Layout, row: list[str], form: FileFormat
+    lines: Lines, layout: Layout, row: list[str], form: FileFormat, wanted: Sequence[str]
 ) -> dict[str, ColumnSource]:
     if form.columns:
         return dict(form.columns)
-    if layout.header:
-        return from_header(layout.header, layout.below)
+    names = layout.header or layout.unlike
+    if names:
+        return from_header(names, layout.below, form.changes, wanted, _faults(lines, layout))
     cells = row[:-1] if row[-1] == "" else row  # a delimiter after the last cell
     if len(cells) not in (2, 3):
         raise CampaignError(
@@ -118,14 +121,27 @@ def _position(lines: Lines, layout: Layout, name: str, column: str | int, row: l
             "correct the index under [format.columns], or the delimiter under [format]",
             lines.numbers[layout.first],
         )
-    if not layout.header:
+    names = layout.header or layout.unlike
+    if not names:
         raise CampaignError(
             lines.file,
             f'there is no header to find the column "{column}" in',
             "give skip_lines under [format], or the column's 0-based index",
             lines.numbers[layout.first],
         )
+    fault = _faults(lines, layout)
+    position = position_by_name(column, names, fault)
+    if layout.unlike:
+        raise fault(
+            f"the line with the columns' names has {len(names)} cells between white space, and the "
+            f"rows have {len(row)}, so that it is unknown which column {column} is",
+            "give all columns by their 0-based index, with their units, under [format.columns] in "
+            'campaign.toml, as in t = { column = 0, unit = "s" }',
+        )
+    return position
+
+
+def _faults(lines: Lines, layout: Layout) -> Callable[[str, str], CampaignError]:
+    """Returns a function that makes faults in the line with the columns' names."""
     at = None if layout.header_at is None else lines.numbers[layout.header_at]
-    return position_by_name(
-        column, layout.header, lambda wrong, mend: CampaignError(lines.file, wrong, mend, at)
-    )
+    return lambda wrong, mend: CampaignError(lines.file, wrong, mend, at)

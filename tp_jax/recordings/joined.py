@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from tp_jax.recordings.cells import number, split
+from tp_jax.recordings.cells import number, split_title
 from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
 from tp_jax.recordings.faults import CampaignError, in_rows
 from tp_jax.recordings.layout import Layout, is_number
@@ -109,7 +109,7 @@ def _names(lines: Lines, layout: Layout, i: int) -> bool:
 
 
 def _cells(lines: Lines, layout: Layout, i: int) -> list[str]:
-    return split(lines.text[i].lstrip("\ufeff# "), layout.delimiter)
+    return split_title(lines.text[i].lstrip("\ufeff# "), layout.delimiter, layout.width)
 
 
 def _same(lines: Lines, layout: Layout, group: list[int]) -> bool:

@@ -3,10 +3,12 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from tp_jax.recordings import units
-from tp_jax.recordings.cells import number, split
+from tp_jax.recordings.cells import number, split, split_title
 from tp_jax.recordings.clock_times import is_date_or_clock
+from tp_jax.recordings.faults import CampaignError
 from tp_jax.recordings.lines import Lines
 from tp_jax.recordings.sources import NAMES, FileFormat
 
@@ -26,20 +28,25 @@ class Layout:
         decimal: "." or ",".
         first: index in the lines of the first row of numbers.
         header: cells of the line with the columns' names; empty where there is none.
+        unlike: the same of a line whose cells between white space are more or fewer than those of
+            a row, so that they name none of its columns for certain; empty where they are as many.
         header_at: index of that line; None where there is none.
         below: cells of the line between the header and the rows, which may hold units.
         like: index of the line whose number of cells all rows must have.
         numeric: of the columns by index, those that hold numbers, dates or clock times.
+        width: number of cells in a row.
     """
 
     delimiter: str | None
     decimal: str
     first: int
     header: list[str]
+    unlike: list[str]
     header_at: int | None
     below: list[str]
     like: int
     numeric: tuple[int, ...]
+    width: int
 
 
 def layout_of(lines: Lines, form: FileFormat) -> Layout:
@@ -48,10 +55,11 @@ def layout_of(lines: Lines, form: FileFormat) -> Layout:
     begin = min(form.skip_lines or 0, len(text) - 1)
     middle = max(begin, len(text) // 2)
     sample = text[middle : middle + _SAMPLE]
-    delimiter, decimal, width, numeric = _parts(sample, form)
+    delimiter, decimal, width, numeric = _parts(lines.file, sample, form)
 
     def cells(i: int) -> list[str]:
-        return split(text[i].lstrip("# ") if i < LONGEST_HEADER else text[i], delimiter)
+        line = text[i].lstrip("# ") if i < LONGEST_HEADER else text[i]
+        return split_title(line, delimiter, width)
 
     named = {*NAMES, *(source.column for source in form.columns.values())}
 
@@ -79,8 +87,23 @@ def layout_of(lines: Lines, form: FileFormat) -> Layout:
     header = [] if header_at is None else cells(header_at)
     below = cells(header_at + 1) if header_at is not None and header_at + 1 < first else []
     own = form.skip_lines is None and header_at is not None and len(header) == width
+    if own and header_at is not None and delimiter is None:
+        # joined cells, or a "#" before them, make the line itself no model for the rows
+        own = len(text[header_at].split()) == width
     like = header_at if own and header_at is not None else min(first, len(text) - 1)
-    return Layout(delimiter, decimal, first, header, header_at, below, like, numeric)
+    unlike = header if delimiter is None and len(header) != width else []
+    return Layout(
+        delimiter,
+        decimal,
+        first,
+        [] if unlike else header,
+        unlike,
+        header_at,
+        below,
+        like,
+        numeric,
+        width,
+    )
 
 
 def is_number(cell: str, decimal: str) -> bool:
@@ -88,7 +111,9 @@ def is_number(cell: str, decimal: str) -> bool:
     return number(cell, decimal) is not None or is_date_or_clock(cell)
 
 
-def _parts(sample: list[str], form: FileFormat) -> tuple[str | None, str, int, tuple[int, ...]]:
+def _parts(
+    file: Path, sample: list[str], form: FileFormat
+) -> tuple[str | None, str, int, tuple[int, ...]]:
     """Delimiter, decimal sign, cells in a row, and the columns of numbers."""
     if form.delimiter is not None:
         delimiters = [None if form.delimiter == " " else form.delimiter]
@@ -99,14 +124,20 @@ def _parts(sample: list[str], form: FileFormat) -> tuple[str | None, str, int, t
     best = None
     for delimiter in delimiters:
         for decimal in decimals:
-            if delimiter == decimal:
+            # a decimal comma in quotes is known from a comma between cells
+            if delimiter == decimal and not any('"' in line for line in sample):
                 continue
             width, numeric = _columns(sample, delimiter, decimal)
             score = (len(numeric) > 1, len(numeric) / width, len(numeric))
             if best is None or score > best[0]:
                 best = score, (delimiter, decimal, width, numeric)
-    if best is None:  # delimiter and decimal are one character; entries refuse that
-        raise ValueError("The delimiter must not be the decimal sign.")
+    if best is None:
+        raise CampaignError(
+            file,
+            f'delimiter and decimal are both "{form.decimal}" under [format], but the cells are '
+            "not in quotes",
+            "say which of them it is",
+        )
     return best[1]
 
 

@@ -15,6 +15,10 @@ from tp_jax.recordings.rounding import made_even
 from tp_jax.recordings.short import short_fields
 from tp_jax.recordings.sources import ColumnSource
 
+FAR_BEGIN = 1e6
+"""Durations of a run before it from which a clock's zero is no time that matters to it; times of
+a day and of a board since it was switched on stay far below."""
+
 
 @dataclass(frozen=True)
 class Readings:
@@ -41,6 +45,7 @@ def readings(
     cells: Mapping[str, np.ndarray],
     *,
     dated: bool = False,
+    zoned: bool = False,
     held: bool = False,
 ) -> Readings:
     """Reads the cells of a file.
@@ -52,13 +57,14 @@ def readings(
         sources: name in the recording -> where it comes from.
         cells: name -> (n,) cells.
         dated: times were written as dates or clock times.
+        zoned: dates that tell their offset from UTC, see `Columns`.
         held: readings are held, see `FileFormat`.
     """
     values = {name: sources[name].apply(name, column) for name, column in cells.items()}
     notes = []
     rows = np.arange(next(iter(values.values())).size)
     if "t" in values:
-        values["t"], notes = _times(sources["t"], cells, values["t"], dated)
+        values["t"], notes = _times(sources["t"], cells, values["t"], dated, zoned)
         angles = {name: column for name, column in values.items() if name != "t"}
         usable = bool(np.all(np.diff(values["t"]) > 0.0)) and all(
             np.isfinite(each).all() for each in values.values()
@@ -115,7 +121,11 @@ def _once(
 
 
 def _times(
-    source: ColumnSource, cells: Mapping[str, np.ndarray], t: np.ndarray, dated: bool
+    source: ColumnSource,
+    cells: Mapping[str, np.ndarray],
+    t: np.ndarray,
+    dated: bool,
+    zoned: bool,
 ) -> tuple[np.ndarray, list[str]]:
     """Times that run on, and what was done to them."""
     notes = []
@@ -131,10 +141,12 @@ def _times(
             )
     if source.wrap is not None:  # a board's time since it was switched on is that of no run
         t = t - (t[0] - source.offset)
-    if source.summer_time:
+    if source.summer_time and not zoned:
         t, at = clocks.without_hours(t, dated)
         if at.size:
             notes.append("an hour of summer time was taken off the times")
+    t, note = from_first_row(t)
+    notes += note
     even, quantum = even_times(t, cells)
     if quantum is not None:
         even = even - even[0] if dated else even  # dates count from the first
@@ -144,6 +156,23 @@ def _times(
             f"{step:.6g} s apart, {1.0 / step:.6g} a second"
         )
     return even, notes
+
+
+def from_first_row(t: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """Finite times, counted from the first where their clock began long before, and a note of it.
+
+    Times since 1970 would hide what a clock does in a run of seconds.
+    """
+    if not t.size or not 0.0 < FAR_BEGIN * float(np.ptp(t)) < abs(t[0]):
+        return t, []
+    # The difference has digits that the times had not; without them 0.004 is 0.004 again, and a
+    # quantum to which the times were rounded is found.
+    digits = int(np.floor(-np.log10(2.0 * np.spacing(np.abs(t).max()))))
+    note = (
+        f"times begin at {t[0]:.10g} s, as on a clock that counts from a date, and were counted "
+        "from the first row"
+    )
+    return np.round(t - t[0], digits), [note]
 
 
 def even_times(

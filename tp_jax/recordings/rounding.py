@@ -51,6 +51,9 @@ POLICY = RoundingPolicy()
 _LAG = 50
 """Quanta or rows over which the spacing is first estimated, where rows may be missing."""
 
+_BLOCK = 64
+"""Rows that are looked over first for the next cut."""
+
 
 @dataclass(frozen=True)
 class Even:
@@ -135,7 +138,8 @@ def _fitted(
     for _ in range(4):
         edges = [0, *cuts.tolist(), v.size]
         parts = [v[a:b] for a, b in pairwise(edges)]
-        if len(parts) > min(pieces, v.size / policy.rows):
+        most = min(pieces, v.size / policy.rows)
+        if len(parts) > most:
             return None
         spacing = _spacing(parts)
         if spacing is None or not _as_rounded(parts, spacing, policy):
@@ -144,7 +148,10 @@ def _fitted(
         off = [p - a - spacing * np.arange(p.size) for p, a in zip(parts, offsets, strict=True)]
         if max(float(np.ptp(each)) for each in off) <= 1.0 + 2.0 * slack:
             return _joined(parts, offsets, spacing), spacing
-        cuts = _where_rows_miss(parts, edges, _robust_spacing(v) or spacing, slack)
+        found = _where_rows_miss(parts, edges, _robust_spacing(v) or spacing, slack, most)
+        if found is None:
+            return None
+        cuts = found
     return None
 
 
@@ -199,21 +206,40 @@ def _as_rounded(parts: list[np.ndarray], spacing: float, policy: RoundingPolicy)
 
 
 def _where_rows_miss(
-    parts: list[np.ndarray], edges: list[int], spacing: float, slack: float
-) -> np.ndarray:
-    """Rows from which on no line of this spacing goes through the bands of those before."""
+    parts: list[np.ndarray], edges: list[int], spacing: float, slack: float, most: float = np.inf
+) -> np.ndarray | None:
+    """Rows from which on no line of this spacing goes through the bands of those before.
+
+    None: they are so many that more than `most` pieces would be left.
+    """
     cuts = edges[1:-1]
     for part, begin in zip(parts, edges, strict=False):
         rest = part - spacing * np.arange(part.size)
-        at = 0
-        while at < rest.size:
-            low, high = np.maximum.accumulate(rest[at:]), np.minimum.accumulate(rest[at:])
-            beyond = np.flatnonzero(low - high > 1.0 + slack)
-            if not beyond.size:
-                break
-            at += int(beyond[0])
-            cuts = [*cuts, begin + at]
+        at = _first_beyond(rest, 0, 1.0 + slack)
+        while at is not None:
+            cuts.append(begin + at)
+            if len(cuts) + 1 > most:
+                return None
+            at = _first_beyond(rest, at, 1.0 + slack)
     return np.array(sorted({*cuts}), dtype=int)
+
+
+def _first_beyond(rest: np.ndarray, begin: int, wide: float) -> int | None:
+    """Index from which on the values since `begin` span more than `wide`; None: they never do."""
+    # Where times tremble a cut comes every few rows: to look over all the rest for each of them
+    # takes the square of the rows, blocks that double no more than twice the way to the next.
+    low, high, size = -np.inf, np.inf, _BLOCK
+    while begin < rest.size:
+        block = rest[begin : begin + size]
+        lows = np.maximum(np.maximum.accumulate(block), low)
+        highs = np.minimum(np.minimum.accumulate(block), high)
+        beyond = np.flatnonzero(lows - highs > wide)
+        if beyond.size:
+            return begin + int(beyond[0])
+        low, high = lows[-1], highs[-1]
+        begin += block.size
+        size *= 2
+    return None
 
 
 def _joined(parts: list[np.ndarray], offsets: list[float], spacing: float) -> np.ndarray:

@@ -2,13 +2,14 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from tp_jax.recordings import clocks, units
+from tp_jax.recordings.faults import listed
 from tp_jax.recordings.short import short_fields
 
 NAMES = ("t", "phi1", "phi2", "drive")
@@ -142,24 +143,71 @@ def unwrapped(cells: np.ndarray, period: float) -> np.ndarray:
     return counted - period * np.round(np.median(counted[finite]) / period)
 
 
-def from_header(header: list[str], below: list[str]) -> dict[str, ColumnSource]:
+def from_header(
+    header: Sequence[str],
+    below: Sequence[str],
+    changes: Mapping[str, Mapping[str, Any]],
+    wanted: Sequence[str],
+    fault: Callable[[str, str], Exception],
+) -> dict[str, ColumnSource]:
     """Columns by the names in a header: "phi1", or "phi1 [deg]", or its unit in the line below.
+
+    Args:
+        header: cells of the line with the names.
+        below: those of the line below it, which may be units; empty where there is none.
+        changes: as of `FileFormat`; a column whose unit is given there may have any in the file.
+        wanted: names of the columns to be read; units of others do not matter.
+        fault: makes an exception from what is wrong and how to mend it.
 
     Returns:
         Those of `NAMES` that are there, and those of `REQUIRED` in any case.
+
+    Raises:
+        Exception: what `fault` makes, where a column's unit is not known.
     """
     found = {}
+    read = {*wanted, *(given.get("minus") for given in changes.values())}
+    under = below if any(_is_unit(cell) for cell in below) else ()
     for name in NAMES:
-        table = units.of(name)
-        for i, cell in enumerate(header):
-            bare, unit = units.parted(cell)
-            if cell != name and (bare != name or not (unit and units.named(unit, table))):
-                continue
-            unit = unit or (below[i].strip("[]() ") if i < len(below) else "")
-            unit = units.named(unit, table)
-            plain = unit is None or table[unit] == 1.0
-            found[name] = ColumnSource(cell, unit=None if plain else unit)
-            break
+        i = _position(name, header)
+        if i is None:
+            continue
+        table, cell = units.of(name), header[i]
+        text = units.parted(cell)[1] or (_unit_text(under[i]) if i < len(under) else "")
+        unit = units.named(text, table)
+        given = changes.get(name, {})
+        # the drive is known up to a gain, so that it may be in volts or anything
+        known = unit is not None or text in ("", "-") or not table or {"unit", "counts"} & {*given}
+        if not known and name in read:
+            told = cell if units.parted(cell)[1] else under[i]
+            raise fault(
+                f'the unit of {name} is not known in the cell "{told}"',
+                f"write one of {listed(table, 12)} there, or give the unit or the counts of a "
+                f"turn under [format.columns] in campaign.toml, as in {name} = {{ unit = "
+                f'"{"ms" if name == "t" else "deg"}" }}',
+            )
+        plain = unit is None or table[unit] == 1.0
+        found[name] = ColumnSource(cell, unit=None if plain else unit)
     for name in REQUIRED:
         found.setdefault(name, ColumnSource(name))  # a fault of whoever looks for it
     return found
+
+
+def _position(name: str, header: Sequence[str]) -> int | None:
+    """Index of a name in a header; before the name alone come neither units nor remarks."""
+    parted = [units.parted(cell) for cell in header]
+    ways = (
+        [cell == name for cell in header],
+        [bare == name and units.named(unit, units.of(name)) is not None for bare, unit in parted],
+        [bare == name for bare, _ in parted],
+    )
+    return next((way.index(True) for way in ways if True in way), None)
+
+
+def _unit_text(cell: str) -> str:
+    return cell.strip("[]() ")
+
+
+def _is_unit(cell: str) -> bool:
+    tables = (units.TIME, units.ANGLE)
+    return any(units.named(_unit_text(cell), table) is not None for table in tables)

@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 
 from tp_jax.recordings.cells import number
-from tp_jax.recordings.clock_times import is_date_or_clock, seconds_since_first
+from tp_jax.recordings.clock_times import (
+    FORMS,
+    day_or_month,
+    has_zone,
+    is_date_or_clock,
+    seconds_since_first,
+)
 from tp_jax.recordings.columns import (
     MAP,
     Columns,
@@ -34,19 +40,24 @@ def read_table(
     """
     table = read_named(file, kind, form.sheet)
     names = list(table)
-    sources = changed(form.columns or from_header(names, []), form)
-    chosen = chosen_sources(sources, wanted)
+
+    def fault(wrong: str, mend: str) -> CampaignError:
+        return CampaignError(file, f"this is {kind.name}, and {wrong}", mend)
+
+    sources = changed(form.columns or from_header(names, [], form.changes, wanted, fault), form)
+    chosen = chosen_sources(sources, wanted, fault)
     if not form.columns and not {"t", "phi1"} <= {*chosen} & {*_found(chosen, names)}:
         lengths = {array.size for array in table.values()}
-        if len(names) in (2, 3) and len(lengths) == 1 and all("[" in name for name in names):
+        if len(names) in (2, 3) and len(lengths) == 1 and _of_a_matrix(names):
             chosen = {n: ColumnSource(i) for i, n in enumerate(wanted[: len(names)])}
-    cells, dated = {}, False
+    cells, dated, zoned = {}, False, False
     for name, source in chosen.items():
         column = _column(file, kind, name, source.column, table)
         cells[name] = as_numbers(file, name, column)
-        dated = dated or (name == "t" and is_dated(column))
+        if name == "t":
+            dated, zoned = is_dated(column), is_zoned(column)
     _check_lengths(file, cells)
-    read = readings(file, chosen, cells, dated=dated, held=form.held)
+    read = readings(file, chosen, cells, dated=dated, zoned=zoned, held=form.held)
     return Columns(
         file=file,
         values={name: read.values[name] for name in wanted if name in read.values},
@@ -56,6 +67,7 @@ def read_table(
         sources=chosen,
         form=form,
         dated=dated,
+        zoned=zoned,
         notes=read.notes,
         thinned=read.rows.size < cells["t"].size,
     )
@@ -92,6 +104,12 @@ def read_named(file: Path, kind: Kind, sheet: str | None) -> Mapping[str, np.nda
 
 def _found(chosen: Mapping[str, ColumnSource], names: Sequence[str]) -> list[str]:
     return [name for name, source in chosen.items() if source.column in names]
+
+
+def _of_a_matrix(names: Sequence[str]) -> bool:
+    """True if names are those that the readers give to the columns of one nameless matrix."""
+    base = names[0].removesuffix("[0]")
+    return list(names) == [f"{base}[{j}]" for j in range(len(names))]
 
 
 def _column(
@@ -139,7 +157,9 @@ def as_numbers(file: Path, name: str, cells: np.ndarray) -> np.ndarray:
             raise CampaignError(
                 file,
                 f'{name} is not a number but "{texts[i]}"',
-                "write a number there, or remove the row, a gap in time is understood",
+                FORMS
+                if name == "t" and day_or_month(texts[i])
+                else "write a number there, or remove the row, a gap in time is understood",
                 i + 1,
             )
     return np.array(found, dtype=float)
@@ -150,6 +170,11 @@ def is_dated(cells: np.ndarray) -> bool:
     if cells.dtype.kind in "fiubm" or not cells.size:
         return False
     return cells.dtype.kind == "M" or is_date_or_clock(_text(cells[0]))
+
+
+def is_zoned(cells: np.ndarray) -> bool:
+    """True if cells are dates that tell their offset from UTC."""
+    return cells.dtype.kind not in "fiubmM" and cells.size > 0 and has_zone(_text(cells[0]))
 
 
 def _text(cell: Any) -> str:

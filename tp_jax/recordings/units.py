@@ -43,24 +43,41 @@ _OTHER_NAMES = {
     "seconds": "s",
     "second": "s",
     "sek": "s",
+    "sekunde": "s",
     "sekunden": "s",
     "secs": "s",
     "msec": "ms",
     "millis": "ms",
+    "millisecond": "ms",
     "milliseconds": "ms",
+    "millisekunden": "ms",
     "usec": "us",
     "micros": "us",
+    "microsecond": "us",
+    "microseconds": "us",
+    "mikrosekunden": "us",
+    "nanoseconds": "ns",
     "radians": "rad",
     "radian": "rad",
+    "rads": "rad",
+    "radiant": "rad",
+    "milliradians": "mrad",
     "degrees": "deg",
     "degree": "deg",
+    "degs": "deg",
     "grad": "deg",
+    "º": "deg",
+    "˚": "deg",
+    "gons": "gon",
     "turns": "turn",
     "revs": "rev",
     "hz": "Hz",
     "u/min": "rpm",
     "min^-1": "rpm",
+    "minute": "min",
     "minutes": "min",
+    "minuten": "min",
+    "hours": "h",
 }
 """Other names that files and people write for units. German "Grad" is a degree."""
 
@@ -68,12 +85,23 @@ _IN_HEADER = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)
 
 
 def named(text: str, units: Mapping[str, float]) -> str | None:
-    """The unit that a text names, as the table spells it; None where it names none of them."""
+    """The unit that a text names, as the table spells it; None where it names none of them.
+
+    Capitals and a dot at the end do not matter, but "M" is mega, no milli: of the units with such
+    a prefix only those of time may be in capitals, since no rig counts megaseconds.
+
+    Example:
+        >>> named("Deg.", ANGLE), named("MHz", FREQUENCY)
+        ('deg', None)
+    """
     text = text.strip()
     if text in units:
         return text
-    other = _OTHER_NAMES.get(text.lower())
-    return other if other in units else None
+    plain = text.lower().removesuffix(".").removesuffix("(s)")
+    lower = {unit.lower(): unit for unit in units}
+    found = lower.get(plain) or _OTHER_NAMES.get(plain)
+    mega = text.startswith("M") and plain in ("mrad", "mhz")
+    return None if mega or found not in units else found
 
 
 def of(column: str) -> Mapping[str, float]:
