@@ -102,7 +102,7 @@ def _pendulum_of(
     if omega is not None and not record["parameters"].get("A"):
         raise InputError(
             "The diagnosis knows no commanded drive, all its recordings being decays or of a "
-            "measured one; ask for --phi1 or --recording."
+            "measured one; leave omega out, and ask for --phi1 or --recording."
         )
     drift = (0.5 * duration, 1.0 / duration)
     return pendulum(record, drive_for(record, omega=omega), None, drift)
