@@ -1,6 +1,7 @@
 """Campaigns that are legal and unusual: rates, lengths and drives that differ."""
 
 import dataclasses
+import importlib
 from types import SimpleNamespace
 
 import numpy as np
@@ -118,6 +119,28 @@ def test_an_effect_that_was_ruled_out_is_not_asked_about():
         check_known(["colum_tilt"])
     with pytest.raises(InputError, match="`tp-jax effects` lists them"):
         tp.diagnose(synthetic_campaign(), without=["zzz"])
+
+
+@pytest.mark.parametrize(("recordings", "begun"), [(2, 1), (3, 2)])
+def test_another_recording_is_held_out_where_there_is_one(recordings, begun, monkeypatch):
+    """Of two a part is held out: a diagnosis begun anew would be the same once more."""
+    module, calls = importlib.import_module("tp_jax.gap.diagnosis"), []
+
+    def chosen(*args, **options):
+        calls.append(args)
+        return None, SimpleNamespace(final=None)
+
+    def enough(*args):
+        raise InputError("Enough.")
+
+    monkeypatch.setattr(module, "_chosen", chosen)
+    monkeypatch.setattr(module, "inside_of_others", lambda *args: 0)
+    monkeypatch.setattr(module, "assemble", enough)
+    campaign = synthetic_campaign()
+    few = dataclasses.replace(campaign, recordings=campaign.recordings[:recordings])
+    with pytest.raises(InputError, match="Enough"):
+        module.examine(few)
+    assert len(calls) == begun
 
 
 def test_a_gap_of_which_every_formula_was_ruled_out():
