@@ -7,6 +7,7 @@ import pytest
 
 from tests import noisy
 from tp_jax.estimation.drive_errors import with_drives_of_angles
+from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
@@ -53,16 +54,35 @@ def phase(t, drive, omega):
     return float(np.arctan2(b, a))
 
 
-def test_angles_put_the_phases_right():
-    runs = campaign()
-    setting, baseline = fitted(runs)
-    found, fit = with_drives_of_angles(setting, baseline)
+@pytest.fixture(scope="module")
+def put_right():
+    """Before and after."""
+    setting, baseline = fitted(campaign())
+    return setting, baseline, *with_drives_of_angles(setting, baseline)
+
+
+def test_angles_put_the_phases_right(put_right):
+    setting, baseline, found, fit = put_right
     before = [phase(r.t, r.drive, w) for r, w in zip(setting.recordings, OMEGAS, strict=True)]
     after = [phase(r.t, r.drive, w) for r, w in zip(found.recordings, OMEGAS, strict=True)]
     assert np.abs(before).max() > 4e-4
     assert np.abs(after).max() < 0.4 * np.abs(before).max()
     # twelve numbers take twelve of noise
     assert fit.cost < baseline.cost - 50.0
+
+
+def test_intervals_know_that_drives_are_estimates(put_right):
+    _, _, found, fit = put_right
+    taken_as_read = dataclasses.replace(found, drives={})
+    wide, narrow = (np.sqrt(np.diag(covariance(fit, s)[0])) for s in (found, taken_as_read))
+    names = [u.name for u in fit.unknowns]
+    assert sorted(found.drives) == [0, 1, 2]
+    gain = names.index("gain")
+    assert wide[gain] > 1.2 * narrow[gain]
+    assert (wide > 0.99 * narrow).all()
+    true = {"k": BENCH.k, "c1": BENCH.c1, "gain": GAIN}
+    for name, value in true.items():
+        assert abs(fit.values.get(name) - value) < 3.5 * wide[names.index(name)]
 
 
 def test_a_drive_that_is_late_is_not_wrong_by_its_noise():
@@ -89,7 +109,7 @@ def test_errors_are_those_of_least_squares(omega):
         read = true + DRIVE_NOISE * BENCH.A * rng.standard_normal(t.size)
         drive = periodic(dataclasses.replace(run, t=t, phi1=t, phi2=t, drive=read))
         z = np.linalg.lstsq(drive.errors, true - drive.values)[0]
-        np.testing.assert_allclose(drive.moved(z), true, atol=1e-4 * BENCH.A)
+        np.testing.assert_allclose(drive.moved(z).values, true, atol=1e-4 * BENCH.A)
         off.append(z @ z)
     assert np.mean(off) == pytest.approx(4.0, rel=0.15)
 

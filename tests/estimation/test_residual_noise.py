@@ -12,9 +12,8 @@ from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.residual_noise import with_residual_noise, without_residual_noise
 from tp_jax.estimation.residual_noise_policy import POLICY
 from tp_jax.estimation.restricted_likelihood import Rest, _projected
-from tp_jax.estimation.schedule import fit_over_schedule
+from tp_jax.estimation.schedule import fit_over_schedule, refitted
 from tp_jax.estimation.start import initial_values
-from tp_jax.estimation.variable_projection import fit as fitted
 from tp_jax.recordings import Campaign, Colour, Recording
 from tp_jax.rig import BENCH, VirtualRig
 
@@ -86,18 +85,6 @@ def baseline(motions, noise, seed: int = 0, step: float = 0.0):
     )
     setting = prepare_campaign(campaign, effects=())
     return setting, fit_over_schedule(setting, initial_values(setting), setting.unknowns())
-
-
-def refitted(setting, fit):
-    """The same fit with another noise."""
-    return fitted(
-        setting.problem(fit.problem.windows.horizon),
-        fit.values,
-        fit.unknowns,
-        fit.states,
-        bounds=setting.bounds,
-        priors=fit.priors,
-    )
 
 
 @pytest.fixture(scope="module")

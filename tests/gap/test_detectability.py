@@ -6,7 +6,11 @@ from scipy import stats
 
 from tests.standing_in import standing_in
 from tp_jax.estimation.normal_equations import efficient_inverse
-from tp_jax.gap.detectability import minimum_detectable, needed_noncentrality
+from tp_jax.gap.detectability import (
+    middle_detectable,
+    minimum_detectable,
+    needed_noncentrality,
+)
 from tp_jax.gap.screen import Scored
 
 
@@ -35,6 +39,17 @@ def test_least_detectable_direction_and_physical_range():
     assert one == pytest.approx(np.sqrt(needed_noncentrality(2, 10)))
     assert minimum_detectable(seen(V, -1.0, 1.0), 10, 1.0) is None
     assert minimum_detectable(seen(np.zeros((1, 1))), 10, 1.0) is None
+
+
+def test_of_shapes_nobody_knows_the_middle_size_counts():
+    """At the frequency that noise fits best a vibration may show far better than at its own."""
+    at = [seen([[v]]) for v in (1.0, 100.0, 1e4)]
+    sizes = [minimum_detectable(s, 10, 1.0) for s in at]
+    assert middle_detectable(at, 10, 1.0) == sizes[1]
+    hidden = seen([[0.0]])
+    assert middle_detectable([*at[1:], hidden], 10, 1.0) == sizes[1]
+    assert middle_detectable([*at[1:], hidden, hidden], 10, 1.0) is None
+    assert middle_detectable(at[:2], 10, 1.0) == sizes[0]
 
 
 def test_pseudo_inverse_ignores_scales():

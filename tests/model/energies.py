@@ -46,7 +46,7 @@ def energy(model: AbstractTorsionPendulum, t: Float[Array, ""], y: Float[Array, 
     _, speed = jax.jvp(angle, (t,), (t * 0 + 1.0,))
     return Energy(
         kinetic=kinetic,
-        spring=model.spring.energy(m.d + model.drive.rest) / factor,
+        spring=model.spring.energy(m.d) / factor,
         drive_power=m.spring * speed / factor,
         bearing_loss=m.bearing * m.v1 / factor,
         contact_loss=contact_loss,

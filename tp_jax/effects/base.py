@@ -101,6 +101,8 @@ class Effect:
             B2 given).
         uses_phi1: the increment depends on phi1 itself, so that its zero matters beyond the rest
             position; a nuisance where the drive is measured (with a sine it is one anyway).
+        uses_winding: the increment depends on the spring's winding itself, so that it matters where
+            the spring is relaxed; a nuisance where the drive is measured.
         uses_phi2: the increment depends on phi2 itself, so that its zero becomes a nuisance.
         relative: the parameter whose part the amplitude of each recording is, where that is so:
             what they have in common is then the parameter's, and only their differences matter.
@@ -125,6 +127,7 @@ class Effect:
     shapes: ClassVar[tuple[Shape, ...]] = ()
     needs: ClassVar[frozenset[str]] = frozenset()
     uses_phi1: ClassVar[bool] = False
+    uses_winding: ClassVar[bool] = False
     uses_phi2: ClassVar[bool] = False
     relative: ClassVar[str] = ""
     drifts: ClassVar[bool] = False

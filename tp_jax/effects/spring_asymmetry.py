@@ -12,7 +12,7 @@ class SpringAsymmetry(Effect):
     location = "spring"
     hook = "spring"
     amplitudes = (Amplitude("a", "1", typical=0.05),)
-    uses_phi1 = True
+    uses_winding = True
     formula = "k (d + a |d|)"
     source = "Section 6 of the paper"
     looks_like = "peaks of one sign larger than those of the other"

@@ -12,7 +12,7 @@ class SpringDeadzone(Effect):
     location = "drive"
     hook = "spring"
     amplitudes = (Amplitude("g", "rad", typical=0.01, lower=0.0, upper=0.2),)
-    uses_phi1 = True
+    uses_winding = True
     formula = "k (d - clip(d, -g, g))"
     source = "a spring of three straight pieces, as couplings with clearance have"
     looks_like = "small swings that are slower than large ones, and no torque about the middle"

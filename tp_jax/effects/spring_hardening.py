@@ -10,7 +10,7 @@ class SpringHardening(Effect):
     location = "spring"
     hook = "spring"
     amplitudes = (Amplitude("a", "1/rad^2", typical=0.1),)
-    uses_phi1 = True
+    uses_winding = True
     formula = "k (d + a d^3)"
     source = "Section 6 of the paper"
     looks_like = "the natural frequency depends on the amplitude"

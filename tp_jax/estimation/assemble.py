@@ -39,7 +39,7 @@ def fit_record(values: Values, ids: Sequence[str], labels: Sequence[str]) -> dic
         "reaction": values.get("reaction"),
         "eps": values.get("eps2"),
         "nuisances": {
-            **{n: values.get(n) for n in ("phase", "gain", "level", "zero1")},
+            **{n: values.get(n) for n in ("phase", "gain", "level", "preload", "zero1")},
             "zero2": {label: values.get("zero2", i) for i, label in enumerate(labels)},
         },
         "drift": {
@@ -92,7 +92,7 @@ def pendulum(
     nuisances = record["nuisances"]
     shared: dict[str, Any] = dict(
         drive=drive,
-        spring=LinearSpring(p["k"]),
+        spring=LinearSpring(p["k"], nuisances.get("preload", 0.0)),
         bearing=Bearing(p["c1"], p["M1"], eps),
         sensors=Sensors(nuisances["zero1"], number(nuisances["zero2"])),
         B1=p["B1"],

@@ -9,8 +9,9 @@ Gauss-Newton step, with what the readings leave open as the prior.
 
 A drive that would have to move further than noise explains is not wrong by its noise: it stays as
 it reads, and what differs is left to the effects (`drive_delay`, `drive_harmonics`). So do all of
-them where together they would move further, as under a delay that all runs have. The angles count
-for less where the baseline leaves more than noise, since some of that is a gap.
+them where together they would move further, as under a delay that all runs have; once the delay is
+in the model they are asked again. The angles count for less where the baseline leaves more than
+noise, since some of that is a gap. What is estimated so has errors, which intervals take in.
 """
 
 import dataclasses
@@ -19,12 +20,12 @@ import logging
 import numpy as np
 from scipy import stats
 
-from tp_jax.estimation.elimination import eliminated
+from tp_jax.estimation.elimination import Eliminated, eliminated
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.layout import Unknown
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
-from tp_jax.estimation.variable_projection import fit
+from tp_jax.estimation.schedule import refitted
 from tp_jax.estimation.windows import pieces_of
 from tp_jax.recordings import thinned
 from tp_jax.recordings.drive_noise import PeriodicDrive, periodic
@@ -70,16 +71,9 @@ def with_drives_of_angles(setting: PreparedCampaign, baseline: Fit) -> tuple[Pre
     kept = [i for i, test in tests.items() if min(stats.chi2.sf(*test), every) > POLICY.chance]
     if not kept:
         return setting, baseline
-    moved = _with_drives(setting, {i: drives[i].moved(moves[i].numbers) for i in kept})
-    found = fit(
-        moved.problem(baseline.problem.windows.horizon),
-        baseline.values,
-        baseline.unknowns,
-        baseline.states,
-        bounds=moved.bounds,
-        priors=baseline.priors,
-        relative=1e-7,
-    )
+    right = {i: drives[i].moved(moves[i].numbers) for i in kept}
+    moved = dataclasses.replace(_with_drives(setting, right), drives=right)
+    found = refitted(moved, baseline)
     pull = sum(float(moves[i].numbers @ moves[i].numbers) for i in kept)
     # a step along kinks may not keep what its slope promised
     return (moved, found) if found.cost + pull < baseline.cost else (setting, baseline)
@@ -105,27 +99,12 @@ def _moves(
     setting: PreparedCampaign, baseline: Fit, drives: dict[int, PeriodicDrive]
 ) -> dict[int, _Move]:
     """Moves of each drive, all unknowns moving with them; none where one cannot be integrated."""
-    problem, lin = baseline.problem, baseline.linearisation
-    most = max(drive.errors.shape[1] for drive in drives.values())
-    names = [f"drive number {j}" for j in range(most)]
-    # no window has two recordings, so that one pass shows the same number of every drive
-    answers = []
-    for j in range(most):
-        other = {i: d.values + d.errors[:, j] for i, d in drives.items() if j < d.errors.shape[1]}
-        there = dataclasses.replace(problem, prepared=_with_drives(setting, other).prepared)
-        answer = there.linearise(baseline.values, baseline.states, ())
-        if not answer.complete.all():
-            return {}
-        answers.append(answer.r - lin.r)
-    wide = dataclasses.replace(
-        lin,
-        slots=(*lin.slots, *names),
-        slots_jac=np.concatenate([lin.slots_jac, np.stack(answers, axis=-1)], axis=-1),
-    )
-    own = {i: [Unknown(names[j], i) for j in range(d.errors.shape[1])] for i, d in drives.items()}
-    added = [u for mine in own.values() for u in mine]
+    widened = _widened(setting, baseline, drives)
+    if widened is None:
+        return {}
+    told, own = widened[0].summed(), widened[1]
+    alone, added = baseline.normal(), [u for mine in own.values() for u in mine]
     unknowns = (*baseline.unknowns, *added)
-    told, alone = eliminated(wide, unknowns).summed(), baseline.normal()
     misfit = max(baseline.chi2_dof, 1.0)
     g = np.concatenate([alone.g, told.g[len(baseline.unknowns) :]]) / misfit
     information = (told.H + np.diag([*alone.prior, *np.zeros(len(added))])) / misfit
@@ -141,11 +120,79 @@ def _moves(
     }
 
 
-def _with_drives(setting: PreparedCampaign, values: dict[int, np.ndarray]) -> PreparedCampaign:
-    """The campaign with other drives, by recording; each (n,) at the samples as recorded."""
+@dataclasses.dataclass(frozen=True)
+class DrivesOut:
+    """A fit's windows with the numbers of drives re-optimised, which were put right by the angles.
+
+    Those are estimates too, and move with the unknowns: with the delay of a drive, above all.
+
+    Attributes:
+        told: windows, by the fit's unknowns (u) and then by those numbers (q).
+        following: (u + q, u) how both move with the unknowns.
+        H: (u, u) information of the data about the unknowns.
+    """
+
+    told: Eliminated
+    following: np.ndarray
+    H: np.ndarray
+
+    def sums(self, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gradients (G, u) and information (G, u, u) of groups of windows: see `Eliminated`."""
+        g, H = self.told.sums(group)
+        return g @ self.following, self.following.T @ H @ self.following
+
+
+def drives_out(setting: PreparedCampaign, fit: Fit) -> DrivesOut:
+    """A fit with the numbers of its drives re-optimised, within what their readings leave open."""
+    count = len(fit.unknowns)
+    widened = _widened(setting, fit, setting.drives) if setting.drives else None
+    if widened is None:
+        return DrivesOut(fit.eliminated, np.eye(count), fit.normal().H)
+    H = widened[0].summed().H
+    H[count:, count:] += np.eye(len(H) - count)
+    following = np.concatenate(
+        [np.eye(count), -np.linalg.solve(H[count:, count:], H[count:, :count])]
+    )
+    return DrivesOut(widened[0], following, following.T @ H @ following)
+
+
+def _widened(
+    setting: PreparedCampaign, fit: Fit, drives: dict[int, PeriodicDrive]
+) -> tuple[Eliminated, dict[int, list[Unknown]]] | None:
+    """A fit's windows by its unknowns and then by the numbers of drives, and those by recording.
+
+    None where a drive that is off by one of its errors cannot be integrated.
+    """
+    problem, lin = fit.problem, fit.linearisation
+    most = max(drive.errors.shape[1] for drive in drives.values())
+    names = [f"drive number {j}" for j in range(most)]
+    # no window has two recordings, so that one pass shows the same number of every drive
+    answers = []
+    for j in range(most):
+        other = {}
+        for i, drive in drives.items():
+            if j < (q := drive.errors.shape[1]):
+                other[i] = drive.moved(np.eye(q)[j])
+        there = dataclasses.replace(problem, prepared=_with_drives(setting, other).prepared)
+        answer = there.linearise(fit.values, fit.states, ())
+        if not answer.complete.all():
+            return None
+        answers.append(answer.r - lin.r)
+    wide = dataclasses.replace(
+        lin,
+        slots=(*lin.slots, *names),
+        slots_jac=np.concatenate([lin.slots_jac, np.stack(answers, axis=-1)], axis=-1),
+    )
+    own = {i: [Unknown(names[j], i) for j in range(d.errors.shape[1])] for i, d in drives.items()}
+    added = [u for mine in own.values() for u in mine]
+    return eliminated(wide, (*fit.unknowns, *added)), own
+
+
+def _with_drives(setting: PreparedCampaign, drives: dict[int, PeriodicDrive]) -> PreparedCampaign:
+    """The campaign with other drives, by recording."""
     recordings, prepared = list(setting.recordings), list(setting.prepared)
-    for i, drive in values.items():
-        whole = dataclasses.replace(setting.campaign.recordings[i], drive=drive)
+    for i, drive in drives.items():
+        whole = dataclasses.replace(setting.campaign.recordings[i], drive=drive.values)
         thin = thinned(whole, setting.blocks[i], coarse=setting.coarse)
         recordings[i] = dataclasses.replace(recordings[i], drive=thin.drive)
         prepared[i] = dataclasses.replace(prepared[i], pieces=pieces_of(recordings[i]))

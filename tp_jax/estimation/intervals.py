@@ -1,9 +1,12 @@
 """Intervals of fitted numbers: from the noise, or from the scatter of blocks where that is more."""
 
+import dataclasses
+
 import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.estimation.blocks import blocks_of
+from tp_jax.estimation.drive_errors import drives_out
 from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 
@@ -14,16 +17,18 @@ CHANCE = 0.01  # that blocks of noise scatter so much that it counts as more
 def covariance(fit: Fit, setting: PreparedCampaign) -> tuple[np.ndarray, np.ndarray]:
     """Covariance (u, u) of the unknowns, and the degrees of freedom of each variance (u,).
 
-    It is that which the noise gives (and all of a misfit beyond it), but for unknowns in whose
-    direction the blocks scatter more than chance would have it: those have the sandwich's variance,
-    known with the blocks' degrees of freedom. The larger of the two always would be too large, as
-    the sandwich's is an estimate from few blocks. Unknowns at a bound get none (zero rows).
+    It is that which the noise gives, that of measured drives included (and all of a misfit beyond
+    it), but for unknowns in whose direction the blocks scatter more than chance would have it:
+    those have the sandwich's variance, known with the blocks' degrees of freedom. The larger of the
+    two always would be too large, as the sandwich's is an estimate from few blocks. Unknowns at a
+    bound get none (zero rows).
     """
     free = ~fit.at_bound
-    inverse = fit.normal().part(free).covariance()
+    told = drives_out(setting, fit)
+    inverse = dataclasses.replace(fit.normal(), H=told.H).part(free).covariance()
     block = blocks_of(fit, setting)
     n = int(block.max()) + 1
-    g, H = fit.eliminated.sums(block)
+    g, H = told.sums(block)
     g = g[:, free] - g[:, free].mean(axis=0)
     robust = np.diag(inverse @ (g.T @ g * n / max(n - 1, 1)) @ inverse)
     part = np.einsum("ui,bij,ju->bu", inverse, H[:, free][:, :, free], inverse, optimize=True)
@@ -82,7 +87,7 @@ def intervals(fit: Fit, setting: PreparedCampaign) -> dict[str, dict]:
         else:
             low, high = value - t * sd, value + t * sd
         low, high = max(low, spec.lower), min(high, spec.upper)
-        size = abs(value) if u.name not in ("phase", "zero1", "level") else spec.typical
+        size = abs(value) if u.name not in ("phase", "zero1", "level", "preload") else spec.typical
         prior = with_prior.get(u)
         held = prior is not None and sd > 0.5 * prior.sd * spec.slope(value)
         out[u.name] = {

@@ -221,7 +221,7 @@ class Layout:
         )
         shared: dict[str, Any] = dict(
             drive=drive,
-            spring=LinearSpring(v["k"]),
+            spring=LinearSpring(v["k"], v["preload"]),
             bearing=Bearing(v["c1"], v["M1"], v["eps1"]),
             sensors=Sensors(v["zero1"], v["zero2"]),
             B1=v["B1"],

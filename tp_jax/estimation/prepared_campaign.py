@@ -24,7 +24,7 @@ from tp_jax.recordings import (
     same_rate,
     thinned,
 )
-from tp_jax.recordings.drive_noise import without_drive_noise
+from tp_jax.recordings.drive_noise import PeriodicDrive, without_drive_noise
 from tp_jax.recordings.noise import is_coarse
 
 #: Tst and T0 are nearly confounded with Ts1; without any slip T0 is free. A wide prior on log T0
@@ -60,6 +60,7 @@ class PreparedCampaign:
         supports: middle and half width of what the recordings visit of each law's argument, by the
             law's family; empty until laws are asked for (`gap.visited`).
         ruled_out: ids of effects and laws that are not asked about.
+        drives: noisy measured ones that the angles put right (`drive_errors`), by recording.
     """
 
     campaign: Campaign
@@ -80,6 +81,7 @@ class PreparedCampaign:
     coarse: bool = False
     supports: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
     ruled_out: frozenset[str] = frozenset()
+    drives: dict[int, PeriodicDrive] = dataclasses.field(default_factory=dict)
 
     @functools.cached_property
     def programs(self) -> Programs:

@@ -277,10 +277,7 @@ def _observe(layout, ids, p, block, directions, run) -> Linearised:
     @jax.jit
     def and_rates(t, y, q):
         model = layout.model(rows.spread(q), *at_piece(q), ids)
-        f = lambda t, y: tuple(model.readings(t, y))  # noqa: E731
-        rates = model.derivative(t, y)
-        h, dh = jax.jvp(f, (t, y), (jnp.ones_like(t), rates))
-        return *h, *dh
+        return model.readings_and_rates(t, y)
 
     def at_piece(q):
         """The piece of a measured drive, which comes after the slots."""

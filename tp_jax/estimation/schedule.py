@@ -153,6 +153,23 @@ def fit_over_schedule(
     return schedule.run(values, whole=True, progress=progress)
 
 
+def refitted(setting: PreparedCampaign, before: Fit) -> Fit:
+    """A fit of the same windows and unknowns under another noise, or with other drives.
+
+    Args:
+        setting: the campaign, with these. before: where it begins.
+    """
+    return fit_projected(
+        setting.problem(before.problem.windows.horizon),
+        before.values,
+        before.unknowns,
+        before.states,
+        bounds=setting.bounds,
+        priors=before.priors,
+        relative=1e-7,
+    )
+
+
 class Schedule:
     """The rungs of a campaign with a method to fit at each.
 

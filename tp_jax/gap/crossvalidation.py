@@ -17,7 +17,7 @@ from tp_jax.estimation.fitted import Fit, parameter
 from tp_jax.estimation.layout import Unknown, Values
 
 FOLDS = 5
-NUISANCES = ("zero1", "zero2", "phase")
+NUISANCES = ("zero1", "zero2", "phase", "preload")
 UNSEEN = 1e-6  # of the largest: a combination of unknowns with less information stays put
 MOST_LEFT_OUT = 0.95  # of what is known of anything: beyond, one Newton step means nothing
 

@@ -1,5 +1,9 @@
 """Detectable sizes, and effects that are tied, as the linearisation shows them for the data."""
 
+import functools
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from scipy import optimize
 
@@ -12,6 +16,7 @@ POWER, FAMILY_WISE = 0.95, 0.05
 TIED = 0.95  # |cos| of projected directions above which two effects are not told apart
 
 
+@functools.cache
 def needed_noncentrality(q: int, tests: int) -> float:
     """Noncentrality at which a chi-square test of q amplitudes, one of many, has the power."""
     critical = tails.chi_square_level(FAMILY_WISE / tests, q)
@@ -42,6 +47,18 @@ def minimum_detectable(scored: Scored, tests: int, inflation: float) -> float | 
     needed = needed_noncentrality(V.shape[0], tests) * max(inflation, 1.0)
     size = float(np.sqrt(needed / value[0]))
     return size if size <= np.abs(scored.limits).max() else None
+
+
+def middle_detectable(several: Sequence[Scored], tests: int, inflation: float) -> float | None:
+    """The size that is found at half of an effect's shapes at least: the upper median of theirs.
+
+    Args:
+        several: the effect, at one set of shape constants or at more.
+        tests, inflation: see `minimum_detectable`.
+    """
+    sizes = [minimum_detectable(s, tests, inflation) for s in several]
+    middle = sorted(math.inf if x is None else x for x in sizes)[len(sizes) // 2]
+    return middle if math.isfinite(middle) else None
 
 
 def cosine(screen: Screen, a: Scored, b: Scored) -> float:

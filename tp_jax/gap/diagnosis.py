@@ -12,7 +12,6 @@ from tp_jax._blas import one_blas_thread
 from tp_jax._files import plain
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
-from tp_jax.estimation.drive_errors import with_drives_of_angles
 from tp_jax.estimation.kept_fits import fits_checkpoint, keeping
 from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
@@ -246,5 +245,4 @@ def _chosen(
             "The model cannot be integrated through the recordings from any start; check the units "
             "of times and angles, and that omega is in rad/s."
         )
-    setting, baseline = with_drives_of_angles(setting, baseline)
     return choose_under_noise(setting, baseline, seed, progress, gap)

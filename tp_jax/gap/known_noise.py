@@ -1,14 +1,16 @@
-"""Causes under the noise that they leave: chosen, the noise looked at again, chosen anew."""
+"""Causes under the noise that they leave, and the drives that they show: chosen, both looked at
+again, chosen anew."""
 
 import dataclasses
 from collections.abc import Callable
 
 import numpy as np
 
+from tp_jax.estimation.drive_errors import with_drives_of_angles
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.residual_noise import with_residual_noise
-from tp_jax.estimation.variable_projection import fit
+from tp_jax.estimation.schedule import refitted
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.learned import Trials, choose_or_learn, learn
 from tp_jax.gap.policy import POLICY, NoisePolicy
@@ -32,6 +34,9 @@ def choose_under_noise(
         setting, baseline, seed, progress: see `choose`.
         gap: whether there is known to be one: what the baseline leaves is then not asked for noise.
     """
+    as_read = setting
+    setting, baseline = with_drives_of_angles(setting, baseline)
+    put_right = setting is not as_read
     asked = baseline.chi2_dof < POLICY.noise.below and not gap
     if asked:
         setting, baseline = with_noise_of(setting, baseline, baseline)
@@ -44,9 +49,15 @@ def choose_under_noise(
     # What is left of a large gap is gap still, however slow it looks.
     told = choice.final.fit.chi2_dof < POLICY.noise.below
     if told and (choice.final.ids or not asked):
-        if not alike(setting, with_residual_noise(setting, choice.final.fit)):
+        shown, read = choice.final.fit, setting
+        if choice.final.ids and not put_right:
+            # without the causes the drives had further to go than noise moves them
+            setting, shown = with_drives_of_angles(setting, shown)
+        if setting is not read or not alike(setting, with_residual_noise(setting, shown)):
             known, looks = choice.final, choice.looks
-            setting, baseline = with_noise_of(setting, known.fit, baseline)
+            if setting is not read:
+                baseline = refitted(setting, baseline)
+            setting, baseline = with_noise_of(setting, shown, baseline)
             choice = choose_or_learn(setting, baseline, seed, progress, known, trials)
             choice = dataclasses.replace(choice, looks=looks)
     return setting, learn(setting, choice, seed, progress, known, trials)
@@ -111,15 +122,6 @@ def with_noise_of(
         found = with_residual_noise(setting, shown)
         if found is setting:
             break
-        setting, problem = found, found.problem(baseline.problem.windows.horizon)
-        baseline = fit(
-            problem,
-            baseline.values,
-            baseline.unknowns,
-            baseline.states,
-            bounds=found.bounds,
-            priors=baseline.priors,
-            relative=1e-7,
-        )
+        setting, baseline = found, refitted(found, baseline)
         shown = baseline
     return setting, baseline

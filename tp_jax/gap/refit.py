@@ -62,7 +62,8 @@ def nuisances(
     """Zeros of the angles, which matter only where an effect depends on an angle itself.
 
     That of phi2 is one per recording; that of phi1 is one per campaign, and where the motor stands
-    or its sine is commanded it is an unknown of the baseline already.
+    or its sine is commanded it is an unknown of the baseline already. Where every drive is measured
+    nothing says where the spring is relaxed either.
 
     Args:
         effects: of a model. setting: the campaign. recordings: those that are fitted.
@@ -77,6 +78,10 @@ def nuisances(
         unknowns.append(Unknown("zero1"))
         centre, sd = float(spec.to_coordinate(zero1)), ZERO1_SD if known else ANY_ZERO1_SD
         priors.append(GaussianPrior(unknowns[-1], centre, sd / spec.slope(zero1)))
+    if any(e.uses_winding for e in effects) and not known:
+        sd = ANY_ZERO1_SD / specs[index["preload"]].typical
+        unknowns.append(Unknown("preload"))
+        priors.append(GaussianPrior(unknowns[-1], 0.0, sd))
     if any(e.uses_phi2 for e in effects):
         mine = [Unknown("zero2", i) for i in recordings]
         unknowns += mine

@@ -184,18 +184,24 @@ def candidates(
 
 
 def detectable(choice: Choice) -> dict[str, Size]:
-    """From the last screen, whose residuals are nearest to the noise."""
+    """From the last screen, whose residuals are nearest to the noise.
+
+    Of a cause, at the shape constants that were found. Of other effects nobody knows them, and
+    those at which noise is fitted best may show a size that others hide: the middle size counts.
+    """
     last, first = choice.rounds[-1], choice.rounds[0]
-    out: dict[str, Size] = {}
     formulas = [s for s in first.screen.best() if not isinstance(s.variant.effect, Law)]
-    tests = max(len(formulas), 1)
-    for s in [*last.screen.best(), *first.screen.best()]:
-        if s.id in out or isinstance(s.variant.effect, Law):
-            continue
-        inflation = last.before.chi2_dof
-        value = detectability.minimum_detectable(s, tests, inflation)
-        out[s.id] = Size(value, s.variant.effect.amplitudes[0].unit)
-    return dict(sorted(out.items()))
+    asked: dict[str, list[Scored]] = {s.id: [s] for s in formulas}
+    for seen in (first, last):
+        others = [s for s in seen.screen.scored if not isinstance(s.variant.effect, Law)]
+        for id in {s.id for s in others} - set(choice.causes):
+            asked[id] = [s for s in others if s.id == id]
+    inflation = last.before.chi2_dof
+    out = {}
+    for id, several in sorted(asked.items()):
+        value = detectability.middle_detectable(several, max(len(formulas), 1), inflation)
+        out[id] = Size(value, several[0].variant.effect.amplitudes[0].unit)
+    return out
 
 
 def absorbed(setting: PreparedCampaign, baseline: Fit, after: Fit) -> dict[str, Shift]:

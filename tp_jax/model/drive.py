@@ -39,16 +39,6 @@ class AbstractDrive(eqx.Module):
     def amplitude(self) -> Float[Array, "..."]:
         """Amplitude of a sine drive [rad], zero for others."""
 
-    @property
-    @abstractmethod
-    def rest(self) -> Float[Array, "..."]:
-        """Angle by which a static torque shifts the rest position [rad], zero for a sine.
-
-        The offset of a measured drive. Under a linear spring it is the same as a zero of phi1;
-        under another one, the zero of phi1 (where the spring is relaxed) and the rest position
-        are two things.
-        """
-
 
 class SineDrive(AbstractDrive):
     """`f_e = A sin(omega t + offset)`, equation (3b); a motor at rest has A = 0.
@@ -70,10 +60,6 @@ class SineDrive(AbstractDrive):
     def amplitude(self):
         return self.A
 
-    @property
-    def rest(self):
-        return jnp.zeros(())
-
 
 class PiecewiseCubicDrive(AbstractDrive):
     """A measured drive: cubic pieces between the samples, up to a gain and an offset.
@@ -91,7 +77,7 @@ class PiecewiseCubicDrive(AbstractDrive):
         return jnp.zeros_like(t)
 
     def angle(self, t, theta):  # noqa: ARG002
-        return self.gain * self._reading(t)
+        return self.gain * self._reading(t) + self.offset
 
     def later(self, t, a):
         # beyond the ends of the record it goes on straight
@@ -108,10 +94,6 @@ class PiecewiseCubicDrive(AbstractDrive):
     @property
     def amplitude(self):
         return jnp.zeros(())
-
-    @property
-    def rest(self):
-        return self.offset
 
 
 class LanewiseDrive(AbstractDrive):
@@ -136,7 +118,7 @@ class LanewiseDrive(AbstractDrive):
 
     def angle(self, t, theta):
         reading = cubic(self.piece, t - self.left)
-        return self.A * sine(theta) + self.gain * reading
+        return self.A * sine(theta) + self.gain * reading + self.level
 
     def later(self, t, a):
         # The pieces are data, and already those that are read `a` later (`estimation.problem`): of
@@ -148,10 +130,6 @@ class LanewiseDrive(AbstractDrive):
     @property
     def amplitude(self):
         return self.A
-
-    @property
-    def rest(self):
-        return self.level
 
 
 def cubic(c: Float[AnyArray, "4 ..."] | Sequence[Real], x: Real) -> Real:

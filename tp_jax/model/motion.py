@@ -12,7 +12,8 @@ class Motion:
         t: time [s]; s: time within the recording, from -1/2 to 1/2.
         phi1, phi2, v1, v2: angles [rad] and velocities [rad/s]; phi2 and v2 are relative to the
             column.
-        theta, A, f, d: drive phase [rad], amplitude [rad], angle f_e [rad]; d = f - phi1.
+        theta, A, f, d: drive phase [rad], amplitude [rad], angle f_e [rad], winding of the spring
+            [rad], f - phi1 and its preload.
         f_rate: function of nothing that gives the rate of f [rad/s], worked out when asked for.
         later: function of a time [s] that gives what f gains [rad] if a measured drive is read so
             much later; zero for a sine.
@@ -25,7 +26,7 @@ class Motion:
             are evaluated.
         z: tuple of the effects' own states.
         hook: quantity that is added to, while an effect is asked.
-        wound: f - phi1 of the drive without its effects [rad]; curve: value of a law, once asked.
+        wound: as d, of the drive without its effects [rad]; curve: value of a law, once asked.
     """
 
     __slots__ = (

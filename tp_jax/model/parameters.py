@@ -166,6 +166,14 @@ NUISANCES = (
         typical=0.1,
         description="rest position, as read, under a measured drive",
     ),
+    Parameter(
+        "preload",
+        "rad",
+        -7.0,
+        7.0,
+        typical=0.1,
+        description="winding of the spring at rest, under a measured drive",
+    ),
     Parameter("zero1", "rad", -7.0, 7.0, typical=0.01, description="zero of phi1"),
     Parameter(
         "zero2", "rad", -7.0, 7.0, typical=0.1, scope="recording", description="zero of phi2"

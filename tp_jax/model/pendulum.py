@@ -71,7 +71,7 @@ class AbstractTorsionPendulum(eqx.Module):
         m.later = lambda a: self.drive.later(t, a)
         m.k = self.spring.k
         f = self.drive.angle(t, m.theta)
-        m.wound = f - phi1
+        m.wound = self.spring.winding(f - phi1)
         m.f = f + self._sum("drive", m)
         return m
 
@@ -81,8 +81,8 @@ class AbstractTorsionPendulum(eqx.Module):
         m = self._driven(t, y)
         v1 = m.v1
         m.f_rate = lambda: jax.jvp(lambda t: self._driven(t, y).f, (t,), (jnp.ones_like(t),))[1]
-        m.d = m.f - m.phi1
-        m.spring = self.spring.torque(m.d + self.drive.rest) + self._sum("spring", m)
+        m.d = self.spring.winding(m.f - m.phi1)
+        m.spring = self.spring.torque(m.d) + self._sum("spring", m)
         m.M1 = self.bearing.M1
         m.sign1 = smooth_sign(v1, self.bearing.eps)
         m.bearing_dry = m.M1 * m.sign1
@@ -137,7 +137,25 @@ class AbstractTorsionPendulum(eqx.Module):
 
     def readings(self, t: AnyArray | float, y: tuple) -> tuple[Array, Array]:
         """Returns the readings of the two sensors [rad] in state `y` at recorded time `t`."""
-        m = self.motion(t, y)
+        return self._read(self.motion(t, y))
+
+    def readings_and_rates(self, t: AnyArray, y: tuple) -> tuple[Array, Array, Array, Array]:
+        """Returns the readings [rad] and their rates [rad/s], accelerations held.
+
+        A sensor that lags reads some of its body's acceleration. Where that body just sticks, the
+        acceleration changes as abruptly as friction is sharp, by more than any reading shows.
+        """
+
+        def held(t, y):
+            m = self.motion(t, y)
+            m.a1, m.a2 = jax.lax.stop_gradient((m.a1, m.a2))
+            return self._read(m)
+
+        rates = self.derivative(t, y)
+        read, rate = jax.jvp(held, (t, y), (jnp.ones_like(t), rates))
+        return *read, *rate
+
+    def _read(self, m: Motion) -> tuple[Array, Array]:
         y1 = m.phi1 + self.sensors.zero1 + self._sum("sensor1", m)
         y2 = m.phi2 + self.sensors.zero2 + self._sum("sensor2", m)
         return y1, y2

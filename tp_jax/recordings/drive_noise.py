@@ -72,9 +72,9 @@ class PeriodicDrive:
     noise: float
     errors: np.ndarray
 
-    def moved(self, numbers: np.ndarray) -> np.ndarray:
-        """Values (n,) with its numbers (q,) moved by standard errors."""
-        return self.values + self.errors @ numbers
+    def moved(self, numbers: np.ndarray) -> "PeriodicDrive":
+        """The drive with its numbers (q,) moved by standard errors."""
+        return dataclasses.replace(self, values=self.values + self.errors @ numbers)
 
 
 def relative_noise(recording: Recording) -> float:
