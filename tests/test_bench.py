@@ -176,7 +176,7 @@ def test_a_diagnosis_is_timed_and_its_memory_taken(monkeypatch):
         diagnosis.measure(Bench)
 
 
-def test_two_checkouts_are_compared_stage_by_stage(monkeypatch):
+def test_two_checkouts_are_compared_stage_by_stage(monkeypatch, capsys):
     from scripts._bench import checkouts
     from scripts._bench.measures import diagnosis
     from scripts._bench.problem import Scale
@@ -194,7 +194,7 @@ def test_two_checkouts_are_compared_stage_by_stage(monkeypatch):
 
     def compared(ref, rounds, tell):
         assert (ref, rounds) == ("HEAD~1", 2)
-        return {"example": {"here": [printed(1.0, 0.9)] * 2, ref: [printed(3.0, 0.9)] * 2}}
+        yield "example", {"here": [printed(1.0, 0.9)] * 2, ref: [printed(3.0, 0.9)] * 2}
 
     class Bench:
         scale, against, tell = Scale(pairs=2), "HEAD~1", print
@@ -205,6 +205,7 @@ def test_two_checkouts_are_compared_stage_by_stage(monkeypatch):
     told = {row.who: row.value for row in rows}
     assert told["in all"] == "12.0 → 4.0 CPU s, 0.33 times"
     assert told["verdict and causes"] == "the same"
+    assert capsys.readouterr().out == "example: 12.0 → 4.0 CPU s, 0.33 times\n"
     assert told["shrink"] == "0.900 → 0.900"
 
 

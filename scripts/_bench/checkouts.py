@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -116,21 +116,20 @@ def unpacked(ref: str, folder: Path) -> Path:
 
 def compared(
     ref: str, rounds: int, tell: Callable[[str], None]
-) -> dict[str, dict[str, list[Diagnosed]]]:
-    """Warm diagnoses by campaign and checkout (`HERE`, ref), in turns."""
-    found: dict[str, dict[str, list[Diagnosed]]] = {}
+) -> Iterator[tuple[str, dict[str, list[Diagnosed]]]]:
+    """Each campaign with its warm diagnoses by checkout (`HERE`, ref), in turns."""
     with tempfile.TemporaryDirectory() as text:
         folder = Path(text)
         checkouts = {HERE: ROOT, ref: unpacked(ref, folder / "other")}
         for campaign, place in campaigns(folder / "campaigns").items():
-            found[campaign] = {name: [] for name in checkouts}
+            found: dict[str, list[Diagnosed]] = {name: [] for name in checkouts}
             for k in range(1 + rounds):
                 for i, (name, root) in enumerate(checkouts.items()):
                     tell(f"diagnosis of {campaign} by {name}, {k} of {rounds}")
                     one = diagnosed(root, place, folder / f"cache-{i}")
                     if k:
-                        found[campaign][name].append(one)
-    return found
+                        found[name].append(one)
+            yield campaign, found
 
 
 def diagnosed(root: Path, campaign: Path, cache: Path) -> Diagnosed:

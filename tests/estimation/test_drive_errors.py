@@ -7,10 +7,12 @@ import pytest
 
 from tests import noisy
 from tp_jax.estimation.drive_errors import with_drives_of_angles
+from tp_jax.estimation.from_readings import fit_from_readings
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
+from tp_jax.gap.held_out import evaluate, squares
 from tp_jax.recordings.drive_noise import periodic
 from tp_jax.rig import BENCH
 
@@ -131,3 +133,20 @@ def test_errors_of_rounding_do_not_fall_with_every_period():
         off.append(float(z @ z) / z.size)
     assert np.median(off) < 1.5
     assert max(off) < 4.0
+
+
+def test_noise_of_the_drive_of_a_run_held_out_is_no_error_of_the_model():
+    runs = campaign()
+    held = [dataclasses.replace(r, held_out=i == 0) for i, r in enumerate(runs.recordings)]
+    setting, fit = with_drives_of_angles(*fitted(dataclasses.replace(runs, recordings=tuple(held))))
+    horizon = fit.problem.windows.horizon
+    found = evaluate(setting, fit.values, horizon)
+    assert sorted(found.setting.drives) == [0, 1, 2]
+    before, after = (
+        abs(phase(s.recordings[0].t, s.recordings[0].drive, OMEGAS[0]))
+        for s in (setting, found.setting)
+    )
+    assert after < 0.3 * before
+    as_read = squares(fit_from_readings(setting.problem(horizon, [0]), fit.values, eps=setting.eps))
+    assert as_read.mean_square() > (1.3 * NOISE) ** 2
+    assert found.mean_square() < (1.05 * NOISE) ** 2

@@ -17,6 +17,7 @@ def test_all_that_is_left_is_noise(found):
     """Without the delay all drives had further to go than noise moves them, and stayed wrong."""
     result = found.diagnosis.to_dict()
     assert [cause["effect"] for cause in result["causes"]] == ["drive_delay"]
+    assert result["verdict"] == "explained"
     assert result["gap"]["structure_p_after"] > 0.01
     assert sorted(found.setting.drives) == found.setting.fitted
 

@@ -16,6 +16,7 @@ noise, since some of that is a gap. What is estimated so has errors, which inter
 
 import dataclasses
 import logging
+from collections.abc import Sequence
 
 import numpy as np
 from scipy import stats
@@ -57,26 +58,40 @@ def with_drives_of_angles(setting: PreparedCampaign, baseline: Fit) -> tuple[Pre
         setting: the campaign. baseline: its fit.
 
     Returns:
-        Both anew, or as they were where there is no such drive. Held-out recordings stay as they
-        are.
+        Both anew, or as they were where there is no such drive.
     """
-    found = {i: periodic(setting.campaign.recordings[i]) for i in setting.fitted}
+    moved, pull = put_right(setting, baseline, setting.fitted)
+    if moved is setting:
+        return setting, baseline
+    found = refitted(moved, baseline)
+    # a step along kinks may not keep what its slope promised
+    return (moved, found) if found.cost + pull < baseline.cost else (setting, baseline)
+
+
+def put_right(
+    setting: PreparedCampaign, fit: Fit, which: Sequence[int]
+) -> tuple[PreparedCampaign, float]:
+    """The campaign with the drives of some recordings put right, and the sum of squares of that.
+
+    Args:
+        setting: the campaign.
+        fit: to the recordings; where a model is only predicted, of their windows' states alone.
+        which: recordings.
+    """
+    found = {i: periodic(setting.campaign.recordings[i]) for i in which}
     drives = {i: drive for i, drive in found.items() if drive is not None and drive.harmonics}
     if not drives:
-        return setting, baseline
-    moves = _moves(setting, baseline, drives)
+        return setting, 0.0
+    moves = _moves(setting, fit, drives)
     tests = {i: _test(move) for i, move in moves.items()}
     every = float(stats.chi2.sf(*np.sum(list(tests.values()), axis=0))) if tests else 0.0
     log.info("drives moved [standard errors]: %s, p of all %.3g", moves, every)
     kept = [i for i, test in tests.items() if min(stats.chi2.sf(*test), every) > POLICY.chance]
     if not kept:
-        return setting, baseline
+        return setting, 0.0
     right = {i: drives[i].moved(moves[i].numbers) for i in kept}
-    moved = dataclasses.replace(_with_drives(setting, right), drives=right)
-    found = refitted(moved, baseline)
-    pull = sum(float(moves[i].numbers @ moves[i].numbers) for i in kept)
-    # a step along kinks may not keep what its slope promised
-    return (moved, found) if found.cost + pull < baseline.cost else (setting, baseline)
+    moved = dataclasses.replace(_with_drives(setting, right), drives=setting.drives | right)
+    return moved, sum(float(moves[i].numbers @ moves[i].numbers) for i in kept)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -73,7 +73,7 @@ def _predicts_worse(setting: PreparedCampaign, before: Refit, after: Refit, hori
 
     def errors_of(result: Refit) -> Errors:
         held = evaluate(setting, result.fit.values, horizon, [v.effect for v in result.variants])
-        return errors(held, free_errors(setting, held.fit.values, horizon)[1])
+        return errors(held, free_errors(held.setting or setting, held.fit.values, horizon)[1])
 
     old, new = errors_of(before), errors_of(after)
     log.info("held out, %s: %s, %s: %s", "+".join(before.ids), old, "+".join(after.ids), new)

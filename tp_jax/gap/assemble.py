@@ -86,9 +86,9 @@ def assemble(
             last = dataclasses.replace(choice.rounds[-1], structure=rest)
             choice = dataclasses.replace(choice, rounds=(*choice.rounds[:-1], last))
         structure_p_after = combined(rest.p, after_rest.p, left)
-    start_before, free_before = free_errors(setting, before.fit.values, horizon)
+    start_before, free_before = free_errors(before.setting or setting, before.fit.values, horizon)
     start_after, free_after = (
-        free_errors(setting, after.fit.values, horizon)
+        free_errors(after.setting or setting, after.fit.values, horizon)
         if final.ids
         else (start_before, free_before)
     )

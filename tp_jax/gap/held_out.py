@@ -11,6 +11,7 @@ from scipy.linalg import matmul_toeplitz
 
 from tp_jax import _tails as tails
 from tp_jax.effects import Effect
+from tp_jax.estimation.drive_errors import put_right
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.from_readings import fit_from_readings
 from tp_jax.estimation.layout import Unknown, Values
@@ -37,7 +38,8 @@ class HeldOut:
     where it is coloured; fit: the fit of the window states; complete: whether the model could be
     integrated through all windows (those through which it could not have neither squares nor
     samples); scatter: (w, 2) half the variance of the squares of noise alone, in units of the
-    square of its variance (`samples` if None).
+    square of its variance (`samples` if None); setting: the campaign, with noisy drives of these
+    recordings put right under the model, if it does so (`drive_errors`).
     """
 
     squares: np.ndarray
@@ -45,6 +47,7 @@ class HeldOut:
     fit: Fit
     complete: bool = True
     scatter: np.ndarray | None = None
+    setting: PreparedCampaign | None = None
 
     def mean_square(self, weight: np.ndarray | None = None) -> float:
         """Mean over channels of their mean squares [rad^2]; `weight` (w,) counts windows.
@@ -131,7 +134,9 @@ def evaluate(
 
     What belongs to a recording is what the others that were fitted have in common. Only window
     states are estimated there, and the zeros of phi2 where an effect depends on them; so is a size
-    that is another in each recording (`Effect.relative`), within the scatter of the others'.
+    that is another in each recording (`Effect.relative`), within the scatter of the others', and so
+    are the numbers of a noisy measured drive, within the errors of its readings: what noise made of
+    a drive is no prediction of a model.
     """
     which = setting.held_out if which is None else list(which)
     others = [i for i in setting.fitted if i not in which]
@@ -143,7 +148,14 @@ def evaluate(
     priors = [a for a in more if a.unknown in unknowns]
     sizes = _own_sizes(setting, values, effects, others, which)
     unknowns, priors = unknowns + [a.unknown for a in sizes], priors + sizes
-    return squares(fit_from_readings(problem, values, unknowns, eps=setting.eps, priors=priors))
+    found = fit_from_readings(problem, values, unknowns, eps=setting.eps, priors=priors)
+    moved, pull = put_right(setting, found, [i for i in which if i not in setting.drives])
+    if moved is not setting:
+        problem = moved.problem(horizon, which)
+        again = fit_from_readings(problem, found.values, unknowns, eps=setting.eps, priors=priors)
+        if again.cost + pull < found.cost:
+            setting, found = moved, again
+    return dataclasses.replace(squares(found), setting=setting)
 
 
 def _own_sizes(

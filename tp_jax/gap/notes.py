@@ -207,8 +207,8 @@ def _of_drive_noise(setting: PreparedCampaign) -> list[str]:
     if not as_read:
         return [
             f"The measured drive has {size}. But for that it is periodic, and the model takes its "
-            "harmonics instead of the readings, in recordings that are fitted put right by the "
-            "angles where noise can have made them wrong."
+            "harmonics instead of the readings, put right by the angles where noise can have made "
+            "them wrong."
         ]
     where = "" if len(as_read) == len(moving) else f" of {', '.join(as_read)}"
     return [

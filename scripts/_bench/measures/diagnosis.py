@@ -70,7 +70,7 @@ def measure(b: Bench) -> tuple[dict, list[Row]]:
 def _beside(b: Bench, ref: str) -> tuple[dict, list[Row]]:
     """{campaign: {checkout: {stage: CPU seconds}, "answers": {checkout: answer}}}."""
     numbers, rows = {}, []
-    for campaign, found in checkouts.compared(ref, b.scale.pairs, b.tell).items():
+    for campaign, found in checkouts.compared(ref, b.scale.pairs, b.tell):
         took = {name: checkouts.medians(several) for name, several in found.items()}
         answers = {name: several[0].answer for name, several in found.items()}
         numbers[campaign] = {**took, "answers": answers}
@@ -79,6 +79,8 @@ def _beside(b: Bench, ref: str) -> tuple[dict, list[Row]]:
             words = f"{then.get(stage, 0.0):.1f} → {now[stage]:.1f} CPU s"
             if stage == "in all":
                 words += f", {now[stage] / then[stage]:.2f} times"
+                # minutes lie between campaigns: where the rest is cut off, these are told
+                print(f"{campaign}: {words}", flush=True)
             rows.append(plain("diagnosis", campaign, stage, words))
         same = answers[ref][:2] == answers[checkouts.HERE][:2]
         told = "the same"
