@@ -51,6 +51,30 @@ def _counts(t, a, b) -> str:
     return f"sample,time,encoder1,encoder2\n{rows}"
 
 
+def test_init_takes_no_hour_off_stamps_that_tell_their_offset(tmp_path, capsys):
+    t, a, b = _run("run-13")
+    t = t + 3600.0 * (t > t[t.size // 2])
+    stamps = np.datetime64("2026-03-29T00:59:50") + (1e6 * t).astype("timedelta64[us]")
+    rows = [f"{s}Z,{x:.6f},{y:.6f}" for s, x, y in zip(stamps, a, b, strict=True)]
+    (tmp_path / "run.csv").write_text("\n".join(["time,phi1,phi2", *rows]))
+    assert main(["init", str(tmp_path)]) == 0
+    assert "summer" not in "".join(capsys.readouterr())
+    assert "summer" not in (tmp_path / "campaign.toml").read_text()
+
+
+@pytest.mark.filterwarnings("default")
+def test_init_tells_of_a_unit_that_it_does_not_know(tmp_path, capsys):
+    rows = [f"{s:.6f},{x:.6f},{y:.6f}" for s, x, y in zip(*_run("run-13"), strict=True)]
+    header = "time [s],phi1 [furlong],phi2 [rad]"
+    (tmp_path / "run.csv").write_text("\n".join([header, *rows]))
+    with pytest.warns(
+        Notice, match="phi1 is in 'furlong', says the file, which is no unit"
+    ) as told:
+        assert main(["init", str(tmp_path)]) == 0
+    assert len(told) == 1
+    assert "the file says 'furlong'" in (tmp_path / "campaign.toml").read_text()
+
+
 @pytest.mark.parametrize(
     ("write", "within"),
     [(_german, 1e-6), (_bare, 1e-6), (_counts, 5e-3)],

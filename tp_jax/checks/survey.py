@@ -12,7 +12,7 @@ import numpy as np
 from tp_jax.recordings import clocks, units
 from tp_jax.recordings.cells import parse, split
 from tp_jax.recordings.checks import WIDEST_PHI1
-from tp_jax.recordings.clock_times import is_date_or_clock
+from tp_jax.recordings.clock_times import has_zone, is_date_or_clock
 from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.faults import CampaignError
 from tp_jax.recordings.formats import empty_rows
@@ -23,7 +23,7 @@ from tp_jax.recordings.layout import layout_of
 from tp_jax.recordings.lines import as_lines, read_bytes, without_separators
 from tp_jax.recordings.readings import readings
 from tp_jax.recordings.sources import NAMES, ColumnSource, FileFormat
-from tp_jax.recordings.tables import as_numbers, is_dated, read_named
+from tp_jax.recordings.tables import as_numbers, is_dated, is_zoned, read_named
 
 _WORDS = {
     "t": r"t|time\w*|zeit\w*|sec|seconds|sekunden|timestamp|zeitstempel|tijd|temps|czas|uhrzeit|"
@@ -82,6 +82,7 @@ def survey(file: Path) -> Survey:
             except CampaignError:  # texts
                 continue
         dates = {i for i, name in enumerate(names) if is_dated(table[name])}
+        zoned = {i for i, name in enumerate(names) if is_zoned(table[name])}
         layout, notes = None, ()
     else:
         lines, left_out = without_separators(as_lines(file, raw))
@@ -96,7 +97,7 @@ def survey(file: Path) -> Survey:
             or (below[i].strip("[]() ") if i < len(below) else "")
             for i in range(width)
         ]
-        columns, dates = {}, set()
+        columns, dates, zoned = {}, set(), set()
         notes = empty_rows(file, left_out, lines.numbers[layout.first])
         at = next((i for i in layout.numeric if _is_time(names, i)), None)
         check_joined(lines, layout, next(iter(layout.numeric), None) if at is None else at)
@@ -104,21 +105,38 @@ def survey(file: Path) -> Survey:
             first = split(lines.text[layout.first], layout.delimiter)[i]
             if is_date_or_clock(first):
                 dates.add(i)
+            if has_zone(first):
+                zoned.add(i)
             columns[i] = parse(
                 lines, layout.first, {"t": i}, layout.delimiter, layout.decimal, layout.like
             )["t"]
     if len(columns) < 2:
         raise CampaignError(file, "there are no two columns of numbers in it", _MEND)
     which = _which(names, columns)
-    sources, why = {}, {}
+    sources, why, unread = {}, {}, []
     for name, i in which.items():
         column = names[i] if i < len(names) and names.count(names[i]) == 1 else i
-        unit = units.named(told[i], units.of(name)) if i < len(told) and told[i] else None
-        sources[name], why[name] = _source(name, column, unit, columns, which, i in dates)
+        said = told[i] if i < len(told) else ""
+        unit = units.named(said, units.of(name)) if said else None
+        dated = i in dates, i in zoned
+        sources[name], why[name] = _source(name, column, unit, columns, which, dated)
+        if said and unit is None and name != "drive":
+            guess = sources[name].unit or ("counts" if sources[name].counts else "rad")
+            why[name] += f"; the file says {said!r}"
+            unread.append(
+                f"{file.name}: {name} is in {said!r}, says the file, which is no unit of "
+                f"{'a time' if name == 't' else 'an angle'} that is known here; "
+                f"{guess} is a guess, so correct it in campaign.toml"
+            )
     angles = {name: columns[i] for name, i in which.items() if name in ("phi1", "phi2")}
     holds = any(np.isfinite(x).all() and held(x) is not None for x in angles.values())
     read = readings(
-        file, sources, {"t": columns[which["t"]], **angles}, dated=which["t"] in dates, held=holds
+        file,
+        sources,
+        {"t": columns[which["t"]], **angles},
+        dated=which["t"] in dates,
+        zoned=which["t"] in zoned,
+        held=holds,
     )
     return Survey(
         None if layout is None else layout.delimiter or " ",
@@ -129,7 +147,7 @@ def survey(file: Path) -> Survey:
         read.values["t"],
         read.values["phi1"],
         holds,
-        (*notes, *read.notes),
+        (*notes, *unread, *read.notes),
         read.values.get("phi2"),
     )
 
@@ -176,14 +194,14 @@ def _source(
     unit: str | None,
     columns: dict[int, np.ndarray],
     which: dict[str, int],
-    is_date: bool,
+    dated: tuple[bool, bool],
 ) -> tuple[ColumnSource, str]:
     cells = columns[which[name]]
     source = ColumnSource(column, unit=unit)
     if name == "drive":
         return source, ""
     if name == "t":
-        return _clock(source, cells, is_date)
+        return _clock(source, cells, *dated)
     if unit is not None:
         why = "the file says so"
     else:
@@ -205,7 +223,9 @@ def _source(
     return source, why
 
 
-def _clock(source: ColumnSource, cells: np.ndarray, is_date: bool) -> tuple[ColumnSource, str]:
+def _clock(
+    source: ColumnSource, cells: np.ndarray, is_date: bool, zoned: bool
+) -> tuple[ColumnSource, str]:
     """Unit of the times, and what keeps them from rising."""
     step = clocks.usual_step(cells)
     if source.unit is not None:
@@ -219,7 +239,7 @@ def _clock(source: ColumnSource, cells: np.ndarray, is_date: bool) -> tuple[Colu
     if period is not None:
         return replace(source, wrap=period), f"{why}, starts anew after {period:.10g}"
     t = source.apply("t", cells)
-    fall = clocks.fall_of(t, is_date, None) if np.isfinite(t).all() else None
+    fall = clocks.fall_of(t, is_date, None, zoned) if np.isfinite(t).all() else None
     if fall is not None and fall.cause == "hour":
         source = replace(source, summer_time=True)
         why += ", an hour of summer time " + ("begins" if t[fall.at] > t[fall.at - 1] else "ends")
