@@ -75,6 +75,18 @@ def test_without_a_file_fits_are_kept_in_memory(setting):
     assert kept_fits._current.get() is None
 
 
+def test_a_drive_that_was_put_right_is_another_fit(setting):
+    problem = setting.problem(setting.horizons[0])
+
+    def digest(drive):
+        prepared = (dataclasses.replace(problem.prepared[0], pieces=drive), *problem.prepared[1:])
+        read = dataclasses.replace(problem, prepared=prepared)
+        return kept_fits._digest(fitted, read, initial_values(setting), (), None, {})
+
+    drive = np.zeros((problem.prepared[0].t.size - 1, 4))
+    assert digest(drive) == digest(drive.copy()) != digest(drive + 1e-6)
+
+
 def test_a_fit_that_does_not_end_where_it_did_is_done_anew(setting, tmp_path):
     path = tmp_path / "fits.json"
     with keeping(checkpoint_of(setting, path)):

@@ -57,10 +57,11 @@ def test_a_size_that_was_read_off_the_held_out_run_is_said_to_be():
         variants = tuple(SimpleNamespace(effect=catalogue()[id]) for id in ids)
         return _of_own_sizes(standing_in(Refit, variants=variants))
 
-    assert told("contact_stribeck", "contact_vibration") == []
-    (note,) = told("contact_stribeck", "contact_repeatability")
-    assert note.startswith("contact_repeatability ")
-    assert "estimated from their readings" in note
+    assert told("contact_stribeck", "contact_wear") == []
+    for id in ("contact_repeatability", "contact_vibration", "drive_frequency"):
+        (note,) = told("contact_stribeck", id)
+        assert note.startswith(f"{id} ")
+        assert "estimated from their readings" in note
 
 
 def test_causes_in_one_place_may_be_one():

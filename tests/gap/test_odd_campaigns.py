@@ -264,12 +264,21 @@ def test_a_friction_of_another_size_in_each_run_is_their_mean_in_the_next():
     assert there.get("contact_repeatability.a", 2) == pytest.approx(0.05)
 
 
-def test_a_run_whose_friction_is_off_by_its_usual_scatter_is_no_misfit():
-    effect = catalogue()["contact_repeatability"]
+@pytest.mark.parametrize(
+    ("id", "others"),
+    [
+        # the mean of 1.2 and 1 is expected, and it is 1
+        ("contact_repeatability", [0.2, 0.0, 0.0]),
+        # the one other motor ran fast, this one runs as it was told
+        ("drive_frequency", [0.0, 0.05, 0.0]),
+        ("contact_vibration", [0.4, 0.4, 0.0]),
+    ],
+)
+def test_a_run_whose_size_is_off_by_the_usual_scatter_is_no_misfit(id, others):
+    effect = catalogue()[id]
     setting = prepare_campaign(campaign_of({}, {}, {"held_out": True}), effects=[effect])
-    name = "contact_repeatability.a"
-    # the mean of 1.2 and 1 is expected, and it is 1
-    values = synthetic_values(setting).replace({name: [0.2, 0.0, 0.0]})
+    name = f"{id}.a"
+    values = synthetic_values(setting).replace({name: others})
     found = evaluate(setting, values, 0.75, [effect])
     assert found.fit.values.get(name, 2) == pytest.approx(0.0, abs=0.01)
     assert np.sqrt(found.mean_square()) == pytest.approx(1e-3, rel=0.1)

@@ -44,6 +44,23 @@ def test_a_fitted_run_starts_from_its_angles_not_from_its_readings(folder):
     np.testing.assert_allclose(run.phi1, data.phi1[:126], atol=2e-2)
 
 
+def test_a_start_that_lies_within_the_run_is_led_back_to_its_beginning(folder):
+    """Of samples that were means of several, the first lies half of them later."""
+    data = tp.load_campaign(folder).recordings[0]
+    found = diagnosis_of()
+
+    def start(at: float, state: list[float]):
+        used = {"label": data.label, "sha256": data.sha256, "begin": at, "start": {"before": state}}
+        asked = found | {"recordings": [used]}
+        run = tp.predict(asked, recording=folder / "decay.csv", duration=0.5, rate=250.0)
+        return float(run.phi1[0]), float(run.phi2[0])
+
+    begin = float(data.t[0])
+    there = start(begin, [0.5, 0.4, 0.0, 0.0])
+    later = start(begin + 0.01, [0.52, 0.37, 2.0, -3.0])
+    assert later == pytest.approx(there, abs=1e-12)
+
+
 def test_the_model_before_where_there_is_no_other():
     diagnosis = diagnosis_of()
     found = tp.predict(diagnosis, omega=13.0, duration=0.2, rate=100.0)

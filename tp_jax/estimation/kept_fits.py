@@ -231,7 +231,8 @@ def _digest(
         sorted((name, value) for name, value in options.items() if name != "bounds"),
     )
     digest = hashlib.sha256(repr(said).encode())
-    for array in (w.recording, w.first, w.count, values.table, states):
+    drives = [p.pieces for p in problem.prepared]  # noisy ones are put right between fits
+    for array in (w.recording, w.first, w.count, values.table, states, *drives):
         digest.update(b"none" if array is None else np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
 

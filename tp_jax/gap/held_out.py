@@ -26,7 +26,7 @@ FLOOR_ERROR = 0.03  # relative standard error of the noise variance, from its es
 PER_SAMPLE = 3.0  # times the root of the samples: fifth differences, and a median over recordings
 FEW = 6  # windows, of which resampling alone would promise too much
 DRAWS = 2000
-LEAST_SCATTER = 0.01  # of sizes that are others in each recording: two may agree by chance
+LEAST_SCATTER = 0.1  # of a typical size, of those that each recording has: two may agree by chance
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,17 +95,20 @@ def expected_elsewhere(
         return values
     seen, elsewhere = list(seen), list(elsewhere)
     table = values.table.copy()
-    running = table[setting.layout.index["running"]]
-    driven = [i for i in seen if running[i] > 0.0]
     owner = {e.qualified(a.name): e for e in setting.layout.effects for a in e.amplitudes}
     for i, p in enumerate(setting.layout.parameters):
         if p.scope == "recording" and p.name not in FIXED_BY_RECORDING:
-            # a motor that stands has nothing to say of its speed
-            of_drive = p.name in owner and "sine" in owner[p.name].needs
-            told = table[i, driven if of_drive and driven else seen]
-            absolute = p.name in owner and not owner[p.name].relative
+            effect = owner.get(p.name)
+            told = table[i, (effect and _moved(values, effect, seen)) or seen]
+            absolute = effect is not None and not effect.relative
             table[i, elsewhere] = _in_common(told) if absolute else told.mean()
     return Values(values.layout, table)
+
+
+def _moved(values: Values, effect: Effect, recordings: Sequence[int]) -> list[int]:
+    """Recordings whose motion tells an effect: a motor that stands tells nothing of its speed."""
+    running = values.table[values.layout.index["running"]]
+    return [i for i in recordings if running[i] > 0.0 or "sine" not in effect.needs]
 
 
 def _in_common(x: np.ndarray) -> float:
@@ -134,7 +137,7 @@ def evaluate(
 
     What belongs to a recording is what the others that were fitted have in common. Only window
     states are estimated there, and the zeros of phi2 where an effect depends on them; so is a size
-    that is another in each recording (`Effect.relative`), within the scatter of the others', and so
+    that each recording has of its own, within the scatter of the others', and so
     are the numbers of a noisy measured drive, within the errors of its readings: what noise made of
     a drive is no prediction of a model.
     """
@@ -165,17 +168,20 @@ def _own_sizes(
     seen: Sequence[int],
     elsewhere: Sequence[int],
 ) -> list[GaussianPrior]:
-    """Priors of sizes that are others in each recording, for recordings not fitted.
+    """Priors of sizes that each recording has of its own, for recordings not fitted.
 
     Such an effect says that nobody knows the next run's size, only about how far it may be off. So
     one run held out, whose size is by chance the baseline's, does not speak against it.
     """
     found = []
-    for name in (e.qualified(e.amplitudes[0].name) for e in effects if e.relative):
+    for effect, a in ((e, a) for e in effects for a in e.amplitudes if a.per_recording):
+        name = effect.qualified(a.name)
         row = setting.layout.index[name]
-        spec, told = setting.layout.parameters[row], values.table[row, list(seen)]
-        scatter = max(float(told.std(ddof=1)) if told.size > 1 else spec.typical, LEAST_SCATTER)
-        for i in elsewhere:
+        spec = setting.layout.parameters[row]
+        told = values.table[row, _moved(values, effect, seen)]
+        scatter = float(told.std(ddof=1)) if told.size > 1 else spec.typical
+        scatter = max(scatter, LEAST_SCATTER * spec.typical)
+        for i in _moved(values, effect, elsewhere):
             mean = float(values.table[row, i])
             sd = scatter / spec.slope(mean)
             found.append(GaussianPrior(Unknown(name, i), float(spec.to_coordinate(mean)), sd))

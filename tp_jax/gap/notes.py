@@ -172,7 +172,7 @@ def _of_own_sizes(final: Refit) -> list[str]:
         "from their readings, within the scatter of the others; no run that is still to come is "
         "known so well."
         for v in final.variants
-        if v.effect.relative
+        if any(a.per_recording for a in v.effect.amplitudes)
     ]
 
 

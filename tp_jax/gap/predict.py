@@ -218,7 +218,10 @@ def _start(diagnosis, record, data) -> np.ndarray:
     for r in diagnosis.get("recordings") or []:
         start = (r.get("start") or {}).get(which)
         if start and r.get("label") == data.label and r.get("sha256") == data.sha256:
-            return np.asarray(start, dtype=float)
+            x0 = np.asarray(start, dtype=float).copy()
+            # of samples that were means of several, the first lies half of them later
+            x0[:2] -= (r.get("begin", data.t[0]) - data.t[0]) * x0[2:]
+            return x0
     x0, zeros = np.zeros(4), record["nuisances"]
     zero2 = zeros["zero2"]
     own = zero2.get(data.label, float(np.mean(list(zero2.values()))))

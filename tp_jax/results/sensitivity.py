@@ -4,7 +4,7 @@ A table by parameter has one column for each; what is no finite number is None.
 """
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Generic, TypeVar
 
 from tp_jax.results.encoding import Record
 from tp_jax.results.identification import Warned
@@ -19,14 +19,17 @@ Columns = dict[str, Row]
 """Parameter -> numbers (t,) through time."""
 
 
-class ByChannel:
+Table = TypeVar("Table")
+
+
+class ByChannel(Generic[Table]):
     """A part with the same table for each measured channel."""
 
-    phi1: Any
-    phi2: Any
+    phi1: Table
+    phi2: Table | None
 
     @property
-    def channels(self) -> dict[str, Any]:
+    def channels(self) -> dict[str, Table]:
         """Table by channel; a column alone has no phi2."""
         both = {"phi1": self.phi1, "phi2": self.phi2}
         return {name: table for name, table in both.items() if table is not None}
@@ -88,7 +91,7 @@ class EstimateCorrelation(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class LocalRun(Record, ByChannel):
+class LocalRun(Record, ByChannel[Columns]):
     """Derivatives along a recording at times t (t,), and their root mean square.
 
     reliable: whether a derivative holds along the whole of it; growth: of a small error.
@@ -134,7 +137,7 @@ class SobolOfChannel(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SobolRun(Record, ByChannel):
+class SobolRun(Record, ByChannel[SobolOfChannel]):
     """Indices of a recording at times t (t,), from so many runs."""
 
     recording: str
@@ -174,7 +177,7 @@ class MorrisOfChannel(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MorrisRun(Record, ByChannel):
+class MorrisRun(Record, ByChannel[MorrisOfChannel]):
     """Elementary effects of a recording at times t (t,), from so many runs."""
 
     recording: str
