@@ -104,7 +104,7 @@ registry._built_in = lambda: {{id: every[id] for id in {few}}}
 sys.path.insert(0, "")
 diagnosis = runpy.run_path("diagnose.py", run_name="__main__")["diagnosis"]
 from tp_jax.cli.output import json_text  # what the page leaves to the reader: to look at numbers
-open("diagnosis.json", "w").write(json_text(diagnosis))
+open("diagnosis.json", "w").write(json_text(diagnosis.to_dict()))
 """
 
 

@@ -32,7 +32,10 @@ def test_its_program_is_the_package_s():
     program = "\n".join(line[4:] for line in block.splitlines())
     compile(program, "README.md", "exec")
     names = set(re.findall(r"\btp\.(\w+)", program))
-    assert names == {"enable_compilation_cache", "load_campaign", "diagnose", "predict"}
+    assert names == {"enable_compilation_cache", "load_campaign", "diagnose"}
     assert names <= set(tp.__all__)
+    methods = set(re.findall(r"\bdiagnosis\.(\w+)", program))
+    assert methods >= {"summary", "write_report", "predict"}
+    assert methods <= set(dir(tp.Diagnosis)) | set(tp.Diagnosis.__dataclass_fields__)
     (campaign,) = re.findall(r'load_campaign\("([^"]+)"\)', program)
     assert (ROOT / campaign / "campaign.toml").is_file()
