@@ -23,6 +23,7 @@ from tp_jax.gap.earning import (
     likeliest,
     most_promising,
 )
+from tp_jax.gap.frequency import tuned
 from tp_jax.gap.left_out import LeftOut, groups, largest_share, left_out, shares
 from tp_jax.gap.misfit import misfits
 from tp_jax.gap.policy import POLICY
@@ -167,6 +168,7 @@ def choose(
         # Less than chance leaves of noise is not worth a search either.
         left_now = max(removable(current.fit), 0.0)
         enough = max(SETTLED * left_now, BY_CHANCE * np.sqrt(2.0 * current.fit.dof))
+        seen = tuned(setting, before, seen)
         ranked = worth_refitting(setting, seen, structure)[: REFITTED[n]]
         ranked = known_first(seen, with_pair(seen, ranked), current, known)
         for i, s in enumerate(ranked):
