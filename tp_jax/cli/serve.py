@@ -60,14 +60,13 @@ def run(args: argparse.Namespace) -> None:
     folder, new = _new_folder() if args.folder is None else _folder(args.folder)
     try:
         bound = bind(folder, args.port)
-        print(bound.address, flush=True)
-        if not args.quiet:
-            print(f"This page is of the folder {folder}; Ctrl-C ends it.", flush=True)
-        if not args.no_browser:
-            webbrowser.open(bound.once)
-        bound.run()
-    except KeyboardInterrupt:  # between the address and the server's own watch for it
-        pass
+        with bound.ended_by_interrupt():
+            print(bound.address, flush=True)
+            if not args.quiet:
+                print(f"This page is of the folder {folder}; Ctrl-C ends it.", flush=True)
+            if not args.no_browser:
+                webbrowser.open(bound.once)
+            bound.run()
     finally:
         if new:
             with contextlib.suppress(OSError):

@@ -1,7 +1,11 @@
 """The process: an address of this computer alone, and the page behind it until it is stopped."""
 
 import secrets
+import signal
 import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,6 +35,22 @@ class Bound:
     port: int
     _listening: socket.socket
     _server: uvicorn.Server
+
+    @contextmanager
+    def ended_by_interrupt(self) -> Iterator[None]:
+        """Within the block Ctrl-C makes `run` return, whether it has begun or not.
+
+        An exception instead, raised while the server is put together, may fall into a place that
+        ignores it, and Ctrl-C would be lost.
+        """
+        if threading.current_thread() is not threading.main_thread():  # where signals do not come
+            yield
+            return
+        before = signal.signal(signal.SIGINT, lambda *_: self.stop())
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
 
     def run(self) -> None:
         """Answers until it is interrupted or told to stop; then a diagnosis that runs ends too."""
