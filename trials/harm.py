@@ -91,7 +91,7 @@ def _measure(root: Path, entry: Mapping[str, Any], diagnosis: Mapping[str, Any])
     effects = [[], [get(id) for id in records[1]["effects"]]]
     values = [numbers(setting, record) for record in records]
     held = [evaluate(setting, v, horizon, e) for v, e in zip(values, effects, strict=True)]
-    free = [_free_squares(setting, each.fit.values, horizon) for each in held]
+    free = [_free_squares(each.setting or setting, each.fit.values, horizon) for each in held]
     (one, weights), (two, _) = (_by_window(each) for each in held)
     # a channel has its mean over all windows, and the mean over channels is what counts
     return {

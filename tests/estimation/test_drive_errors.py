@@ -73,6 +73,17 @@ def test_angles_put_the_phases_right(put_right):
     assert fit.cost < baseline.cost - 50.0
 
 
+def test_drives_that_were_put_right_are_not_asked_again(put_right):
+    _, _, found, fit = put_right
+    assert with_drives_of_angles(found, fit) == (found, fit)
+    # one that was refused is
+    others = {i: drive for i, drive in found.drives.items() if i}
+    again, _ = with_drives_of_angles(dataclasses.replace(found, drives=others), fit)
+    assert set(again.drives) >= set(others)
+    for i in others:
+        np.testing.assert_array_equal(again.recordings[i].drive, found.recordings[i].drive)
+
+
 def test_intervals_know_that_drives_are_estimates(put_right):
     _, _, found, fit = put_right
     taken_as_read = dataclasses.replace(found, drives={})

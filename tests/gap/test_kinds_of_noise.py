@@ -108,6 +108,7 @@ def test_what_is_left_of_a_large_gap_is_not_asked_for_noise(
     monkeypatch.setattr(known_noise, "learn", lambda *_: choice)
     monkeypatch.setattr(known_noise, "with_residual_noise", lambda setting, _: setting)
     monkeypatch.setattr(known_noise, "alike", lambda *_: False)
+    monkeypatch.setattr(known_noise, "with_shapes", lambda *_: ((), {}))
     choose_under_noise(bare, first, 0, print)
     assert found == calls
 

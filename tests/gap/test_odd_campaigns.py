@@ -286,6 +286,15 @@ def test_a_run_whose_size_is_off_by_the_usual_scatter_is_no_misfit(id, others):
     assert np.sqrt(fixed.mean_square()) > 1.5e-3
 
 
+def test_beside_another_effect_of_the_place_they_are_told_about_the_last_one():
+    """What a Stribeck drop takes is a part of the friction, and would change with it."""
+    every = [catalogue()[id] for id in ("contact_repeatability", "contact_stribeck")]
+    setting = prepare_campaign(campaign_of({}, {}, {}), effects=every)
+    values = synthetic_values(setting).replace({"contact_repeatability.a": [0.3, -0.1, 0.0]})
+    assert centred(values, every, setting.fitted) is values
+    assert centred(values, every[:1], setting.fitted) is not values
+
+
 def test_relative_amplitudes_are_told_about_their_mean():
     effect = catalogue()["contact_repeatability"]
     setting = prepare_campaign(campaign_of({}, {}, {}), effects=[effect])

@@ -13,6 +13,7 @@ from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import drive_for, fit_record, pendulum
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.recordings import write_csv
+from tp_jax.results.diagnosis import ModelFit
 
 ZERO1, ZERO2 = 0.05, -0.02  # rad
 
@@ -104,6 +105,46 @@ def test_drifts_run_on_the_clock_of_the_fit(folder):
     late = tp.predict(diagnosis, **given)
     del record["drift"]
     assert np.abs(late.phi1 - tp.predict(diagnosis, **given).phi1).max() > 1e-2
+
+
+def test_a_result_keeps_every_number_of_a_fit():
+    """So that whoever reads diagnosis.json predicts with the model that was judged."""
+    setting = prepare_campaign(synthetic_campaign(1e-5))
+    values = synthetic_values(setting).replace({"preload": 0.3, "zero1": ZERO1})
+    values = values.replace({"contact_repeatability.a": [0.2, 0.0, 0.1]})
+    labels = [r.label for r in setting.recordings]
+    ids = ("contact_repeatability", "spring_hardening")
+    record = fit_record(values, ids, labels, elsewhere=values)
+    kept = ModelFit.read(json.loads(json.dumps(record))).to_dict()
+    assert json.loads(json.dumps(kept)) == json.loads(json.dumps(record))
+    again = pendulum(kept, drive_for(kept, omega=13.0))
+    assert float(again.spring.preload) == 0.3
+    (own,) = (a for a in again.terms if a.effect.id == "contact_repeatability")
+    assert float(own.values["a"]) == 0.2  # expected elsewhere; the mean is .1
+
+
+def test_readings_of_a_drive_are_freed_of_noise_as_in_the_diagnosis(tmp_path):
+    t = np.arange(1501) / 250.0
+    drive = 1.5 * np.sin(13.0 * t + 0.3)
+    noise = 0.015 * np.random.default_rng(1).standard_normal(t.size)
+
+    def predicted(name, reading):
+        text = ['name = "m"', "[rig]", "B1 = 1.2e-3", "[[recording]]", f'file = "{name}.csv"']
+        text += ["forced = true", 'drive = "measured"', ""]
+        (tmp_path / name).mkdir()
+        write_csv(
+            tmp_path / name / f"{name}.csv",
+            t,
+            0.1 * np.sin(9.0 * t),
+            0.02 * np.cos(9.0 * t),
+            reading,
+        )
+        (tmp_path / name / "campaign.toml").write_text("\n".join(text), encoding="utf-8")
+        return tp.predict(diagnosis_of(gain=1.0), recording=tmp_path / name / f"{name}.csv").phi1
+
+    clean, noisy = predicted("clean", drive), predicted("noisy", drive + noise)
+    assert np.abs(clean).max() > 0.2
+    assert np.abs(noisy - clean).max() < 5e-3  # .03 by the readings as they are
 
 
 # Every effect of the catalogue --------------------------------------------------------------------

@@ -23,13 +23,17 @@ from tp_jax.model.spring import LinearSpring
 BASE = ("B1", "B2", "k", "A", "c1", "M1", "Tv", "Ts1", "Ts2", "Tst", "T0")
 
 
-def fit_record(values: Values, ids: Sequence[str], labels: Sequence[str]) -> dict[str, Any]:
+def fit_record(
+    values: Values, ids: Sequence[str], labels: Sequence[str], elsewhere: Values | None = None
+) -> dict[str, Any]:
     """Everything a prediction needs, as plain numbers.
 
     Args:
         values: of a fit.
         ids: effects that are in it.
         labels: of the recordings, in order.
+        elsewhere: numbers that any other recording is expected to have, the first of each slot;
+            of what belongs to a recording the mean, if they are None.
     """
     double = values.layout.kind == "double"
     names = [n for n in BASE if double or n not in ("B2", "Tv", "Ts1", "Ts2", "Tst", "T0")]
@@ -60,6 +64,10 @@ def fit_record(values: Values, ids: Sequence[str], labels: Sequence[str]) -> dic
         for s in effect.shapes:
             numbers[s.name] = values.get(effect.qualified(s.name))
         record["effects"][id] = numbers
+        own = [a.name for a in effect.amplitudes if a.per_recording]
+        if own and elsewhere is not None:
+            expected = {name: elsewhere.get(effect.qualified(name), 0) for name in own}
+            record.setdefault("elsewhere", {})[id] = expected
     return record
 
 
@@ -74,25 +82,31 @@ def pendulum(
     Args:
         record: see `fit_record`.
         drive: how it is driven.
-        label: recording whose own numbers are to be used; their mean if None or unknown.
+        label: recording whose own numbers are to be used; if None or unknown, what is expected
+            of another one, or their mean where that is not told.
         drift: middle [s] and rate [1/s] of the drift's clock.
     """
     p = record["parameters"]
     eps = record["eps"]
 
-    def number(x: Any) -> float:
+    def number(x: Any, expected: float | None = None) -> float:
         if not isinstance(x, Mapping):
             return float(x)
-        return float(x[label]) if label in x else float(np.mean(list(x.values())))
+        if label in x:
+            return float(x[label])
+        return float(np.mean(list(x.values()))) if expected is None else float(expected)
+
+    def of(id: str, numbers: Mapping[str, Any]) -> dict[str, Any]:
+        expected = (record.get("elsewhere") or {}).get(id) or {}
+        return {n: np.float64(number(x, expected.get(n))) for n, x in numbers.items()}
 
     terms = tuple(
-        Applied(catalogue.get(id), {n: np.float64(number(x)) for n, x in numbers.items()})
-        for id, numbers in record["effects"].items()
+        Applied(catalogue.get(id), of(id, numbers)) for id, numbers in record["effects"].items()
     )
     nuisances = record["nuisances"]
     shared: dict[str, Any] = dict(
         drive=drive,
-        spring=LinearSpring(p["k"], nuisances.get("preload", 0.0)),
+        spring=LinearSpring(p["k"], nuisances.get("preload") or 0.0),
         bearing=Bearing(p["c1"], p["M1"], eps),
         sensors=Sensors(nuisances["zero1"], number(nuisances["zero2"])),
         B1=p["B1"],

@@ -51,19 +51,27 @@ class DriveErrorsPolicy:
 POLICY = DriveErrorsPolicy()
 
 
-def with_drives_of_angles(setting: PreparedCampaign, baseline: Fit) -> tuple[PreparedCampaign, Fit]:
+def with_drives_of_angles(
+    setting: PreparedCampaign,
+    baseline: Fit,
+    bounds: dict[str, tuple[float, float]] | None = None,
+    kinks: bool = False,
+) -> tuple[PreparedCampaign, Fit]:
     """A campaign whose noisy, periodic drives are estimated from readings and angles.
 
+    Those that are not yet; the others stay.
+
     Args:
-        setting: the campaign. baseline: its fit.
+        setting: the campaign. baseline: its fit, of causes too. bounds, kinks: see `refitted`.
 
     Returns:
         Both anew, or as they were where there is no such drive.
     """
-    moved, pull = put_right(setting, baseline, setting.fitted)
+    left = [i for i in setting.fitted if i not in setting.drives]
+    moved, pull = put_right(setting, baseline, left)
     if moved is setting:
         return setting, baseline
-    found = refitted(moved, baseline)
+    found = refitted(moved, baseline, bounds, kinks)
     # a step along kinks may not keep what its slope promised
     return (moved, found) if found.cost + pull < baseline.cost else (setting, baseline)
 

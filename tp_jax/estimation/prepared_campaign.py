@@ -171,7 +171,7 @@ class PreparedCampaign:
         priors = []
         names = [u.name for u in self.unknowns()]
         for name, (value, sd) in self.prior_values.items():
-            spec = BY_NAME[name]
+            spec = BY_NAME[name].scaled(self.fixed["B1"])
             mean = float(spec.to_coordinate(value))
             priors.append(GaussianPrior(Unknown(name), mean, sd / spec.slope(value)))
         if "T0" in names:

@@ -153,20 +153,27 @@ def fit_over_schedule(
     return schedule.run(values, whole=True, progress=progress)
 
 
-def refitted(setting: PreparedCampaign, before: Fit) -> Fit:
+def refitted(
+    setting: PreparedCampaign,
+    before: Fit,
+    bounds: dict[str, tuple[float, float]] | None = None,
+    kinks: bool = False,
+) -> Fit:
     """A fit of the same windows and unknowns under another noise, or with other drives.
 
     Args:
-        setting: the campaign, with these. before: where it begins.
+        setting: the campaign, with these. before: where it begins. bounds: those of the campaign
+            if None. kinks: see `variable_projection.fit`.
     """
     return fit_projected(
-        setting.problem(before.problem.windows.horizon),
+        setting.problem(before.problem.windows.horizon).at(before.problem.tolerances),
         before.values,
         before.unknowns,
         before.states,
-        bounds=setting.bounds,
+        bounds=setting.bounds if bounds is None else bounds,
         priors=before.priors,
         relative=1e-7,
+        kinks=kinks,
     )
 
 

@@ -22,7 +22,14 @@ from tp_jax.gap.by_recording import shrink_by_recording
 from tp_jax.gap.calibration import Floor, floor
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.free_structure import free_structure
-from tp_jax.gap.held_out import HeldOut, Shrink, evaluate, floor_error, shrink
+from tp_jax.gap.held_out import (
+    HeldOut,
+    Shrink,
+    evaluate,
+    expected_elsewhere,
+    floor_error,
+    shrink,
+)
 from tp_jax.gap.location import locate
 from tp_jax.gap.misfit import excess
 from tp_jax.gap.notes import beyond_its_range, elsewhere, notes, why_no_cause
@@ -142,7 +149,8 @@ def assemble(
     against = why_no_cause(choice, worse or dropped, doubts)
     fit_before = fit_record(before.fit.values, (), labels)
     told_after = centred(after.fit.values, [v.effect for v in final.variants], setting.fitted)
-    fit_after = fit_record(told_after, ids, labels) if ids else None
+    expected = expected_elsewhere(told_after, setting, setting.fitted, [0])
+    fit_after = fit_record(told_after, ids, labels, expected) if ids else None
     return DiagnosisRecord(
         schema=VERSION,
         campaign=setting.campaign.name,

@@ -177,7 +177,7 @@ def _own_sizes(
     for effect, a in ((e, a) for e in effects for a in e.amplitudes if a.per_recording):
         name = effect.qualified(a.name)
         row = setting.layout.index[name]
-        spec = setting.layout.parameters[row]
+        spec = setting.layout.parameters[row].scaled(setting.fixed["B1"])
         told = values.table[row, _moved(values, effect, seen)]
         scatter = float(told.std(ddof=1)) if told.size > 1 else spec.typical
         scatter = max(scatter, LEAST_SCATTER * spec.typical)

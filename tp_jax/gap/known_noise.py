@@ -14,7 +14,7 @@ from tp_jax.estimation.schedule import refitted
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.learned import Trials, choose_or_learn, learn
 from tp_jax.gap.policy import POLICY, NoisePolicy
-from tp_jax.gap.refit import Refit, refit_longer_windows
+from tp_jax.gap.refit import Refit, refit_longer_windows, with_shapes
 
 
 def choose_under_noise(
@@ -34,9 +34,7 @@ def choose_under_noise(
         setting, baseline, seed, progress: see `choose`.
         gap: whether there is known to be one: what the baseline leaves is then not asked for noise.
     """
-    as_read = setting
     setting, baseline = with_drives_of_angles(setting, baseline)
-    put_right = setting is not as_read
     asked = baseline.chi2_dof < POLICY.noise.below and not gap
     if asked:
         setting, baseline = with_noise_of(setting, baseline, baseline)
@@ -50,9 +48,10 @@ def choose_under_noise(
     told = choice.final.fit.chi2_dof < POLICY.noise.below
     if told and (choice.final.ids or not asked):
         shown, read = choice.final.fit, setting
-        if choice.final.ids and not put_right:
-            # without the causes the drives had further to go than noise moves them
-            setting, shown = with_drives_of_angles(setting, shown)
+        if choice.final.ids:
+            # without the causes some drives had further to go than noise moves them
+            bounds = with_shapes(setting, choice.final)[1]
+            setting, shown = with_drives_of_angles(setting, shown, bounds, kinks=True)
         if setting is not read or not alike(setting, with_residual_noise(setting, shown)):
             known, looks = choice.final, choice.looks
             if setting is not read:

@@ -15,6 +15,7 @@ from tp_jax.model.parameters import BY_NAME
 from tp_jax.model.pendulum import AbstractTorsionPendulum, SingleTorsionPendulum
 from tp_jax.model.plausible import span
 from tp_jax.recordings import local_polynomial
+from tp_jax.recordings.drive_noise import without_drive_noise
 from tp_jax.recordings.lookup import recording_of
 from tp_jax.results.diagnosis import Found
 from tp_jax.simulation.solve import Trajectory, simulate
@@ -195,7 +196,7 @@ def readings_of(model: AbstractTorsionPendulum, t: np.ndarray, x0: np.ndarray) -
 
 def _of_recording(diagnosis, record, file: Path, duration, rate) -> Trajectory:
     """Drive and start of a campaign's file; a held-out span of it before a fitted one."""
-    data = recording_of(file)
+    data = without_drive_noise(recording_of(file))
     t = data.t
     if duration is not None or rate is not None:
         length = duration if duration is not None else data.duration

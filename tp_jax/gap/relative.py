@@ -15,6 +15,8 @@ from tp_jax.gap.refit import Refit
 def centred(values: Values, effects: Sequence[Effect], fitted: Sequence[int]) -> Values:
     """The same numbers with amplitudes whose mean over the fitted recordings is zero.
 
+    Beside another effect of the same place they are told about the last fitted recording's.
+
     What is p (1 + a_r) becomes p (1 + m) (1 + a'_r), with a'_r = (a_r - m) / (1 + m), in all
     recordings; of one that was not fitted, a_r has to be what is expected or was found there.
 
@@ -24,7 +26,9 @@ def centred(values: Values, effects: Sequence[Effect], fitted: Sequence[int]) ->
         fitted: recordings that were fitted.
     """
     for effect in effects:
-        if not effect.relative:
+        # another effect of the same place is a part of its friction, which would change with it
+        beside = [e for e in effects if e is not effect and e.location == effect.location]
+        if not effect.relative or beside:
             continue
         name = effect.qualified(effect.amplitudes[0].name)
         row = values.table[values.layout.index[name]]

@@ -236,7 +236,8 @@ class Shift(Record):
 
 @dataclass(frozen=True)
 class Nuisances(Record):
-    """Phase [rad], gain and level of the drive; zeros of the sensors [rad], φ2's by recording."""
+    """Phase [rad], gain and level of the drive; zeros of the sensors [rad], φ2's by recording; by
+    how much the spring is wound at rest [rad]."""
 
     phase: float
     gain: float
@@ -246,6 +247,7 @@ class Nuisances(Record):
         dict[str, float],
         Schema(minProperties=1, says="a table of one number for each recording"),
     ]
+    preload: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -258,6 +260,7 @@ class ModelFit(Record):
         eps: the friction's smoothing [s/rad].
         drift: label -> middle [s] and rate [1/s] of the recording's clock.
         effects: id -> its numbers; an amplitude may have one for each recording.
+        elsewhere: id -> of such amplitudes, what the fitted recordings let expect of another.
     """
 
     kind: Literal["single", "double"]
@@ -269,6 +272,7 @@ class ModelFit(Record):
     nuisances: Nuisances
     drift: dict[str, tuple[float, float]] | None = None
     effects: dict[str, dict[str, Amplitude]] = field(kw_only=True)
+    elsewhere: dict[str, dict[str, float]] = field(default_factory=dict, kw_only=True)
 
 
 # a rider has numbers of its own
