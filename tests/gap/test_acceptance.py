@@ -114,8 +114,10 @@ def test_a_last_cause_is_held_against_the_causes_that_stand_beside_it(
     monkeypatch.setattr(acceptance, "without", lambda setting, result, gone: again)
     monkeypatch.setattr(acceptance, "polish", lambda setting, result: result)
     monkeypatch.setattr(acceptance, "refit_with_sharp_friction", lambda setting, result: result)
-    monkeypatch.setattr(acceptance, "_ending", lambda choice, final: Choice(None, rounds, final))
-    choice, dropped = acceptance.without_harm(SETTING, Choice(None, rounds, found), 1.0)
+    ending = lambda choice, final: standing_in(Choice, rounds=rounds, final=final)  # noqa: E731
+    monkeypatch.setattr(acceptance, "_ending", ending)
+    begun = standing_in(Choice, rounds=rounds, final=found)
+    choice, dropped = acceptance.without_harm(SETTING, begun, 1.0)
     assert dropped == ("sensor1_nonlinearity",)
     assert [v.effect.id for v in choice.final.variants] == ["drive_frequency"]
     assert choice.final.fit == ("fitted again" if fitted_again else "without sensor1_nonlinearity")

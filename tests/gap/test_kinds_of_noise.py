@@ -7,6 +7,7 @@ import pytest
 
 from tests import noisy
 from tests.standing_in import standing_in
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
@@ -92,7 +93,7 @@ def test_what_is_left_of_a_large_gap_is_not_asked_for_noise(
     """It passed for noise of a correlation of .98 on the packaged example."""
     bare = prepare_campaign(noisy.campaign(noisy.white, 1, RATE), effects=())
     first, last = SimpleNamespace(chi2_dof=baseline), SimpleNamespace(chi2_dof=final)
-    choice = Choice(None, (), standing_in(Refit, fit=last, ids=causes))
+    choice = Choice(standing_in(Fit), (), standing_in(Refit, fit=last, ids=causes))
     found = []
 
     def with_noise_of(setting, shown, fit):

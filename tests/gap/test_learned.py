@@ -125,7 +125,7 @@ def test_one_law_is_asked_for_in_the_place_of_several_formulas(causes, p, asked,
     setting = SimpleNamespace(layout=SimpleNamespace(learned=True))
     rounds = (round_of(300.0, 40.0, p=0.001), round_of(20.0, p=p))
     final = standing_in(Refit, fit=Left(40.0), ids=causes)
-    choice = Choice(None, rounds, final)
+    choice = standing_in(Choice, rounds=rounds, final=final, structure=rounds[-1].structure)
     monkeypatch.setattr(learned, "unexplained", lambda setting, choice: False)
     assert learned.learn(setting, choice, 0, lambda *_: None) is choice
     assert least == ([150.0] if asked else [])  # more evidence than the best formula's
