@@ -11,6 +11,7 @@ from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import acceptance
 from tp_jax.gap.acceptance import has_size, is_worse, least_probable, with_ties
 from tp_jax.gap.choice import Choice, Round
+from tp_jax.gap.directions import Variant
 from tp_jax.gap.refit import Refit
 from tp_jax.results.diagnosis import Errors
 
@@ -30,7 +31,7 @@ class Numbers:
 
 
 def result(*ids, fit=None):
-    variants = tuple(SimpleNamespace(effect=catalogue()[id]) for id in ids)
+    variants = tuple(Variant(catalogue()[id], (), ()) for id in ids)
     return standing_in(Refit, variants=variants, fit=fit, ids=ids)
 
 
