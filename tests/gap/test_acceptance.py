@@ -7,6 +7,7 @@ import pytest
 
 from tests.standing_in import standing_in
 from tp_jax.effects import catalogue
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import acceptance
 from tp_jax.gap.acceptance import has_size, is_worse, least_probable, with_ties
@@ -94,10 +95,14 @@ def test_worse_is_worse_in_windows_or_in_a_free_run():
     assert not is_worse(Errors(1.0, None), Errors(0.9, 9.0))
 
 
+BEFORE = {id: standing_in(Fit) for id in ("drive_frequency", "clock_skew", "sensor1_nonlinearity")}
+"""Fits to which an effect was added."""
+
+
 def taken(*ids):
     """A round that added the last of these effects to the others."""
     return standing_in(
-        Round, searched=f"without {ids[-1]}", refits={ids[-1]: result(*ids)}, taken=ids[-1]
+        Round, searched=BEFORE[ids[-1]], refits={ids[-1]: result(*ids)}, taken=ids[-1]
     )
 
 
@@ -110,7 +115,7 @@ def test_a_last_cause_is_held_against_the_causes_that_stand_beside_it(
     """Not against one that a rival has replaced since: that one was named in the end."""
     rounds = (taken(first), taken(first, "sensor1_nonlinearity"))
     found = result("drive_frequency", "sensor1_nonlinearity")
-    again = result("drive_frequency", fit="fitted again")
+    again = result("drive_frequency", fit=standing_in(Fit))
     monkeypatch.setattr(acceptance, "_predicts_worse", lambda *_: True)
     monkeypatch.setattr(acceptance, "without", lambda setting, result, gone: again)
     monkeypatch.setattr(acceptance, "polish", lambda setting, result: result)
@@ -121,4 +126,4 @@ def test_a_last_cause_is_held_against_the_causes_that_stand_beside_it(
     choice, dropped = acceptance.without_harm(SETTING, begun, 1.0)
     assert dropped == ("sensor1_nonlinearity",)
     assert [v.effect.id for v in choice.final.variants] == ["drive_frequency"]
-    assert choice.final.fit == ("fitted again" if fitted_again else "without sensor1_nonlinearity")
+    assert choice.final.fit is (again.fit if fitted_again else BEFORE["sensor1_nonlinearity"])
