@@ -13,6 +13,7 @@ walk), one that stutters (the reading of some other time), and times that are of
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import jax.numpy as jnp
 import numpy as np
@@ -78,29 +79,11 @@ def free_columns(setting: PreparedCampaign, fit: Fit, harmonics: int | None = No
         setting: the campaign. fit: to it. harmonics: see `errors_of_readings`.
     """
     effects = (FreeColumnTorque(), FreeContactTorque()) if setting.rider else (FreeColumnTorque(),)
-    before = fit.problem
-    layout = Layout(setting.campaign.model, effects)
-    problem = Problem(
-        layout,
-        before.prepared,
-        before.windows,
-        before.capacity,
-        before.B1,
-        before.tolerances,
-    )
-    values = Values.build(layout, fit.values.table.shape[1], {})
-    same = [
-        fit.values.layout.index[p.name]
-        for p in layout.parameters
-        if p.name in fit.values.layout.index
-    ]
-    table = values.table.copy()
-    table[: len(same)] = fit.values.table[same]
-    values = Values(layout, table)
+    problem, values = probed_by(fit.problem, fit.values, effects)
     parts, source = [], []
     for j in range(HARMONICS + 1):
         slots = [e.qualified(n) for e in effects for n in (("a", "b") if j else ("a",))]
-        rate = {e.qualified("W"): j / before.windows.horizon for e in effects}
+        rate = {e.qualified("W"): j / problem.windows.horizon for e in effects}
         lin = problem.linearise(values.replace(rate), fit.states, slots)
         parts.append(lin.slots_jac)
         source += [e.location for e in effects for _ in range(2 if j else 1)]
@@ -110,6 +93,30 @@ def free_columns(setting: PreparedCampaign, fit: Fit, harmonics: int | None = No
         np.concatenate([source, readings.source]),
         np.concatenate([np.ones(len(source)), readings.weight]),
     )
+
+
+def probed_by(
+    problem: Problem, values: Values, effects: Sequence[Effect]
+) -> tuple[Problem, Values]:
+    """A problem's windows with other effects in place of its own, at null, and the numbers there.
+
+    By a program that has these effects alone.
+    """
+    layout = Layout(problem.layout.kind, tuple(effects))
+    index = values.layout.index
+    table = Values.build(layout, values.table.shape[1], {}).table.copy()
+    for i, p in enumerate(layout.parameters):
+        if p.name in index:
+            table[i] = values.table[index[p.name]]
+    probed = Problem(
+        layout,
+        problem.prepared,
+        problem.windows,
+        problem.capacity,
+        problem.B1,
+        problem.tolerances,
+    )
+    return probed, Values(layout, table)
 
 
 def _where_read(fit: Fit, jac: np.ndarray) -> np.ndarray:

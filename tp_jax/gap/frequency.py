@@ -20,11 +20,11 @@ from tp_jax.effects import Amplitude, Effect, Shape
 from tp_jax.effects.contact_vibration import ContactVibration
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import Fit
-from tp_jax.estimation.layout import Layout, Values
 from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.estimation.problem import DIRECTIONS, Problem
 from tp_jax.estimation.window_states import warm_start_states
+from tp_jax.gap.free_torques import probed_by
 from tp_jax.gap.refit import removable
 from tp_jax.gap.screen import Scored, Screen
 
@@ -125,14 +125,8 @@ class _Waves:
     """Waves in the windows of a problem, by a program that has them and no effect."""
 
     def __init__(self, fit: Fit, of: Problem, states: np.ndarray, lin: Linearisation):
-        layout = Layout(of.layout.kind, (ContactWaves(),))
-        self._problem = Problem(layout, of.prepared, of.windows, of.capacity, of.B1, of.tolerances)
-        values, index = Values.build(layout, fit.values.table.shape[1], {}), fit.values.layout.index
-        table = values.table.copy()
-        for i, p in enumerate(layout.parameters):
-            if p.name in index:
-                table[i] = fit.values.table[index[p.name]]
-        self._values, self._states, self._lin = Values(layout, table), states, lin
+        self._problem, self._values = probed_by(of, fit.values, (ContactWaves(),))
+        self._states, self._lin = states, lin
         w = of.windows
         spans = zip(w.recording, w.first, w.count, strict=True)
         self._middle = np.array([of.prepared[r].t[f : f + n].mean() for r, f, n in spans])

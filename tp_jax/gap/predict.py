@@ -221,7 +221,8 @@ def _start(diagnosis, record, data) -> np.ndarray:
         if start and r.get("label") == data.label and r.get("sha256") == data.sha256:
             x0 = np.asarray(start, dtype=float).copy()
             # of samples that were means of several, the first lies half of them later
-            x0[:2] -= (r.get("begin", data.t[0]) - data.t[0]) * x0[2:]
+            begin = data.t[0] if r.get("begin") is None else r["begin"]
+            x0[:2] -= (begin - data.t[0]) * x0[2:]
             return x0
     x0, zeros = np.zeros(4), record["nuisances"]
     zero2 = zeros["zero2"]
