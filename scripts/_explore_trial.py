@@ -262,7 +262,7 @@ class Real:
         self.hidden, self.limits = hidden, limits
 
     def __call__(self, folder: Path) -> Any:
-        from tp_jax.exploring.loop import announced_amplitude
+        from tp_jax.exploring.amplitudes import announced_amplitude
         from tp_jax.gap.diagnosis import examine
         from tp_jax.gap.forecast import outlook
         from tp_jax.recordings import load_campaign

@@ -1,5 +1,6 @@
 """Entries appended to a campaign.toml that is the user's own."""
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +47,7 @@ def test_a_new_campaign(tmp_path):
     folder.mkdir()
     for omega, release in ((13.09, None), (13.09, None), (None, 0.5), (7.0, None)):
         path = free_name(folder, omega)
-        assert append_entry(folder, recorded(path, omega, release=release))
+        assert append_entry(folder, recorded(path, omega, release=release)) is None
         check_campaign(folder)
     campaign = load_campaign(folder)
     assert campaign.name == 'a "rig"'
@@ -65,7 +66,8 @@ def test_the_rate_is_that_of_the_times(tmp_path):
     """Which were put right where the rig's clock is wrong."""
     clock = {"skew": 0.08, "applied": True}
     for omega in (13.09, 7.0):
-        assert append_entry(tmp_path, recorded(free_name(tmp_path, omega), omega, clock=clock))
+        made = recorded(free_name(tmp_path, omega), omega, clock=clock)
+        assert append_entry(tmp_path, made) is None
     assert load_campaign(tmp_path).sample_rate == 1080.0
 
 
@@ -76,7 +78,7 @@ def test_what_the_user_wrote_stays_byte_for_byte(ends, last, tmp_path):
     before = (OWN + last).replace("\n", ends).encode()
     file.write_bytes(before)
     recorded(tmp_path / "decay.csv")
-    assert append_entry(tmp_path, recorded(tmp_path / "run.csv", 13.092618))
+    assert append_entry(tmp_path, recorded(tmp_path / "run.csv", 13.092618)) is None
     after = file.read_bytes()
     assert after.startswith(before)
     assert (b"\r\n" in after[len(before) :]) is (ends == "\r\n")
@@ -87,16 +89,16 @@ def test_what_the_user_wrote_stays_byte_for_byte(ends, last, tmp_path):
 
 
 def test_a_short_or_interrupted_recording(tmp_path):
-    assert not append_entry(tmp_path, recorded(tmp_path / "run.csv", rows=49))
+    assert append_entry(tmp_path, recorded(tmp_path / "run.csv", rows=49))
     assert not (tmp_path / "campaign.toml").exists()
-    assert append_entry(tmp_path, recorded(tmp_path / "b.csv", state="unplugged"))
+    assert append_entry(tmp_path, recorded(tmp_path / "b.csv", state="unplugged")) is None
     assert "# unplugged after 0.499 s" in (tmp_path / "campaign.toml").read_text()
 
 
 def test_a_recording_that_would_keep_the_campaign_from_being_read(tmp_path):
     good = recorded(tmp_path / "run.csv")
     assert unusable(tmp_path, good) is None
-    assert append_entry(tmp_path, good)
+    assert append_entry(tmp_path, good) is None
     before = (tmp_path / "campaign.toml").read_bytes()
     t = np.arange(500) / 1000
     noise = 1e-3 * np.random.default_rng(0).normal(size=500)
@@ -107,10 +109,18 @@ def test_a_recording_that_would_keep_the_campaign_from_being_read(tmp_path):
     short = recorded(tmp_path / "short.csv", rows=49)
     for each, part in ((still, "does not move"), (slow, "sample_rate"), (short, "49 samples")):
         assert part in unusable(tmp_path, each)
-        assert not append_entry(tmp_path, each)
+        assert part in append_entry(tmp_path, each)
     assert (tmp_path / "campaign.toml").read_bytes() == before
     # in a campaign of its own the slow one is as good as any
     assert unusable(tmp_path / "new", slow) is None
+
+
+def test_recordings_that_end_together_are_all_added(tmp_path):
+    made = [recorded(tmp_path / f"run-{i}.csv") for i in range(6)]
+    with ThreadPoolExecutor(len(made)) as pool:
+        assert set(pool.map(lambda each: append_entry(tmp_path, each), made)) == {None}
+    names = {each.name for each in load_campaign(tmp_path).recordings}
+    assert names == {each.path.name for each in made}
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from tests.acquisition.swing import emulated, port_of
 from tests.waiting import PATIENCE, running, until
 from tp_jax.acquisition import Settings, fit_clock, protocol, record, writer
 from tp_jax.acquisition.device import Device
-from tp_jax.acquisition.recorder import correction
+from tp_jax.acquisition.recorder import MAY_STILL_RUN, correction
 from tp_jax.acquisition.run_log import metadata_path
 from tp_jax.errors import InputError
 from tp_jax.recordings import load_campaign, read_columns
@@ -142,6 +142,7 @@ def test_a_rig_that_does_not_come_back(tmp_path):
         done = record(port_of(rig), out, Settings(8.0, omega=13.09, reconnect=0.5))
     assert done.state == "unplugged"
     assert "unplugged" in done.fault
+    assert "may still run" in done.fault
     assert 900 < len(table(out)) <= 1001
 
 
@@ -237,6 +238,17 @@ def test_a_rig_that_was_started_is_stopped(fault, tmp_path, monkeypatch):
             record(port_of(rig), tmp_path / "run.csv", Settings(2.0, omega=13.09))
         assert rig.firmware.rig.started == [(13.09, None)]
         assert not rig.firmware.running
+
+
+@pytest.mark.parametrize("omega", [13.09, None])
+def test_a_rig_that_does_not_say_that_it_stopped(omega, tmp_path, monkeypatch):
+    with emulated(speed=5.0) as rig:
+        obey = rig.firmware._obey
+        unheard = lambda c, now: b"" if c.command == protocol.STOP else obey(c, now)  # noqa: E731
+        monkeypatch.setattr(rig.firmware, "_obey", unheard)
+        done = record(port_of(rig), tmp_path / "run.csv", Settings(0.5, omega=omega))
+    assert done.state == "complete"
+    assert done.metadata["notes"] == ([MAY_STILL_RUN] if omega else [])
 
 
 def test_the_amplitude_is_commanded(tmp_path):
@@ -491,14 +503,16 @@ def test_a_killed_recorder_leaves_all_but_the_last_moment(tmp_path):
     assert meta["device"]["rate"] == 1000.0
 
 
-def test_interrupting_keeps_what_there_is(tmp_path):
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_interrupting_keeps_what_there_is(by, tmp_path):
+    """And the motor stands, also where the program is told to end or its terminal is closed."""
     out = tmp_path / "run.csv"
     with (
         emulated(speed=1.0) as rig,
         running([sys.executable, "-c", PROGRAM, rig.port, str(out), "60"]) as child,
     ):
         until(lambda: out.exists() and out.stat().st_size > 20_000)
-        child.send_signal(signal.SIGINT)
+        child.send_signal(by)
         assert child.wait(PATIENCE) == 0
         assert not rig.firmware.running
     meta = json.loads(metadata_path(out).read_text())

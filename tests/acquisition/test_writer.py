@@ -1,11 +1,13 @@
 """The file, written as it comes."""
 
+import errno
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -49,6 +51,41 @@ def test_no_file_is_written_over(tmp_path):
     assert path.read_text() == "mine"
     with pytest.raises(InputError, match="Cannot write"):
         CsvWriter(path / "below" / "run.csv", NAMES)
+
+
+def filling(monkeypatch, room):
+    """A disk that has room for so many bytes more."""
+    left = [room]
+
+    def write(fd, data):
+        if not left[0]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        done = os.write(fd, data[: left[0]])
+        left[0] -= done
+        return done
+
+    monkeypatch.setattr(module, "os", SimpleNamespace(**{**vars(os), "write": write}))
+
+
+def test_no_number_is_cut_in_two_where_the_disk_is_full(tmp_path, monkeypatch):
+    path = tmp_path / "run.csv"
+    writer = CsvWriter(path, NAMES)
+    writer.write(rows(10))
+    before = path.read_bytes()
+    filling(monkeypatch, 77)
+    with pytest.raises(OSError, match="No space"):
+        writer.write(rows(10, 10))
+    writer.close()
+    assert path.read_bytes() == before
+    assert writer.rows == 10
+
+
+def test_a_file_that_has_no_room_for_a_header_goes(tmp_path, monkeypatch):
+    path = tmp_path / "run.csv"
+    filling(monkeypatch, 3)
+    with pytest.raises(InputError, match="No space"):
+        CsvWriter(path, NAMES)
+    assert not path.exists()
 
 
 def test_the_disk_is_asked_once_in_a_while(tmp_path, monkeypatch):

@@ -58,6 +58,25 @@ def test_rounds_and_result(tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("_made_up")
+def test_a_folder_is_made_where_none_is_named(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    (tmp_path / "exploration").mkdir()
+    assert main([*FAST, "--runs", "1"]) == 0
+    assert capsys.readouterr().out.startswith("Recordings go to exploration-2.\n")
+    assert (tmp_path / "exploration-2" / "decay.csv").is_file()
+
+
+@pytest.mark.usefixtures("_made_up")
+def test_a_campaign_has_one_amplitude(tmp_path, capsys):
+    argv = [*FAST, "--campaign", str(tmp_path / "rig")]
+    assert main([*argv, "--amplitude", "0.1"]) == 0
+    capsys.readouterr()
+    assert main([*argv, "--amplitude", "0.5"]) == 2
+    assert "was driven at 0.1 rad" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("_made_up")
 def test_driven_runs_alone(tmp_path):
     folder = tmp_path / "rig"
     argv = [*FAST, "--campaign", str(folder), "--no-release", "--omega", "6:12", "--quiet"]

@@ -1,15 +1,16 @@
 """A search from many starts: who meets whom, what fails, and going on after Ctrl-C."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from tests.rigs import synthetic_campaign
+from tests.standing_in import standing_in
 from tp_jax.estimation import multistart
 from tp_jax.estimation.checkpoint import Checkpoint
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.multistart import Interrupted, search
 from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.schedule import Schedule
 from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.starts import Start
 
@@ -20,13 +21,13 @@ def silent(stage, fraction):
     pass
 
 
-class Wells:
+class Wells(Schedule):
     """In place of a ladder: two optima in log k, at 0 and at 3, the second 40 worse; no motion
     beyond log k of 5, no solution beyond 8."""
 
     def __init__(self):
         campaign = synthetic_campaign(duration=0.5)
-        self.setting = prepare_campaign(campaign, effects=(), fix=dict.fromkeys(HELD, 1.0))
+        super().__init__(prepare_campaign(campaign, effects=(), fix=dict.fromkeys(HELD, 1.0)))
         self.problem = self.setting.problem(0.2)
         self.calls: list[str] = []
         self.stop_at = None
@@ -38,7 +39,8 @@ class Wells:
         unknowns = self.setting.unknowns()
         H = np.zeros((3, 3))
         H[0, 0] = 1e4 / np.exp(log_k) ** 2  # a hundredth is one standard error of log k
-        return SimpleNamespace(
+        return standing_in(
+            Fit,
             problem=self.problem,
             values=values.replace({"k": np.exp(log_k)}),
             unknowns=unknowns,

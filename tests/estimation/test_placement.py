@@ -1,12 +1,11 @@
 """Windows are put into lanes so that all lanes take about as long, and none twice."""
 
-import types
-
 import numpy as np
 import pytest
 
+from tests.standing_in import standing_in
 from tp_jax.estimation.placement import SHORTEST, Experience, expected_steps, longest, place
-from tp_jax.estimation.windows import Windows
+from tp_jax.estimation.windows import Prepared, Windows
 
 WIDTH = 8
 
@@ -82,8 +81,12 @@ def test_no_more_blocks_than_needed_where_all_take_the_same():
 
 def test_what_was_seen_is_expected_and_scales_the_rest():
     t = np.arange(400) * 0.004
-    one = types.SimpleNamespace(
-        t=t, channels=np.array([True, False]), smooth=np.ones((400, 4)), smooth_sd=np.ones((400, 4))
+    one = standing_in(
+        Prepared,
+        t=t,
+        channels=np.array([True, False]),
+        smooth=np.ones((400, 4)),
+        smooth_sd=np.ones((400, 4)),
     )
     w = windows([np.full(4, 100)])
     guess, experience = expected_steps(w, [one]), Experience()

@@ -2,13 +2,17 @@
 
 import subprocess
 import sys
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import nullcontext
+from types import SimpleNamespace
 
 import pytest
 
 from scripts._executors import Hand, begun_times
 from tests.executors.stand_in import some_pieces, summed
-from tp_jax.errors import InputError
-from tp_jax.executors import ExecutorChoice, run_pieces, slurm_jobs
+from tp_jax.errors import InputError, Notice
+from tp_jax.executors import ExecutorChoice, ray_actors, run_pieces, slurm_jobs
+from tp_jax.executors.workers import Refused
 
 PACKAGES = {"ray": "ray", "dask": "distributed", "slurm": "submitit"}
 COUNT = 8
@@ -61,6 +65,53 @@ def test_without_slurm_that_is_said(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="`srun` and `sbatch`"):
         list(run_pieces(summed, some_pieces(1, tmp_path / "begun"), ExecutorChoice("slurm", 1)))
+
+
+def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
+    pytest.importorskip("distributed", reason="needs the extra `dask`")
+    import dask.config
+
+    timeout = {"distributed.comm.timeouts.connect": "0.5s"}
+    with (
+        dask.config.set({"scheduler-address": "tcp://127.0.0.1:1", **timeout}),
+        pytest.raises(InputError, match=r"answers at tcp://127\.0\.0\.1:1, which DASK_SCHED"),
+        ExecutorChoice("dask", 1).opened(),
+    ):
+        pass
+
+
+def test_actors_are_no_more_than_a_cluster_has_room_for():
+    ray = SimpleNamespace(available_resources=lambda: {"CPU": 2.0, "memory": 1e9})
+    assert ray_actors._placed(ray, 2) == 2
+    with pytest.warns(Notice, match="2 processors free"):
+        assert ray_actors._placed(ray, 3) == 2
+    with pytest.raises(InputError, match="no processor free"):
+        ray_actors._placed(SimpleNamespace(available_resources=dict), 1)
+
+
+class Limited(Executor):
+    """A cluster that takes so many jobs at once, and refuses more, as Slurm does."""
+
+    def __init__(self, most):
+        self.most, self.pool, self.futures = most, ThreadPoolExecutor(2), []
+
+    def submit(self, fn, /, *args, **kwargs):
+        if sum(not each.done() for each in self.futures) >= self.most:
+            raise Refused("sbatch: error: QOSMaxSubmitJobPerUserLimit")
+        self.futures.append(self.pool.submit(fn, *args, **kwargs))
+        return self.futures[-1]
+
+
+@pytest.mark.parametrize("most", [0, 1])
+def test_a_refused_job_waits_for_those_in_hand(most, tmp_path, monkeypatch):
+    pieces = some_pieces(3, tmp_path / "begun")
+    monkeypatch.setattr(slurm_jobs, "opened", lambda *_: nullcontext(Limited(most)))
+    done = run_pieces(summed, pieces, ExecutorChoice("slurm", 3), uses_jax=False)
+    if most:
+        assert {each.piece.key for each in done} == {each.key for each in pieces}
+    else:
+        with pytest.raises(InputError, match="takes no work: sbatch: error: QOSMax"):
+            list(done)
 
 
 def test_their_packages_load_only_where_they_are_asked_for():

@@ -16,7 +16,8 @@ from tp_jax.acquisition.recorder import record
 from tp_jax.acquisition.run_log import Settings
 from tp_jax.errors import InputError, Notice
 from tp_jax.exploring import explore, state
-from tp_jax.exploring.loop import _made_run, announced_amplitude
+from tp_jax.exploring.amplitudes import announced_amplitude
+from tp_jax.exploring.loop import _made_run
 from tp_jax.gap.next_run import Finding, Forecast, Limits, Run
 from tp_jax.recordings import load_campaign
 from tp_jax.rig.emulator import Firmware
@@ -213,6 +214,21 @@ def test_the_second_recording_need_not_be_diagnosable(which, rig, tmp_path):
         with pytest.raises(InputError, match="cannot be integrated"):
             lab.explore(folder)
         assert len(lab.recorded) == which
+
+
+def test_forecasts_for_other_wishes_do_not_stand(rig, tmp_path):
+    lab, folder = Lab(rig, sure_after=4), tmp_path / "rig"
+    lab.explore(folder, most=1, amplitude=0.1)
+    good = lab.diagnose
+
+    def fails(folder):
+        raise InputError("It cannot be integrated.")
+
+    lab.diagnose = fails
+    with pytest.raises(InputError, match="cannot be integrated"):
+        lab.explore(folder, amplitude=0.5)
+    lab.diagnose = good
+    assert len(lab.recorded) == 1
 
 
 def test_an_interrupted_recording_is_kept(rig, tmp_path):

@@ -1,7 +1,5 @@
 """Whatever the noise is like, a rig with nothing hidden raises no alarm, and its size is known."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -92,7 +90,7 @@ def test_what_is_left_of_a_large_gap_is_not_asked_for_noise(
 ):
     """It passed for noise of a correlation of .98 on the packaged example."""
     bare = prepare_campaign(noisy.campaign(noisy.white, 1, RATE), effects=())
-    first, last = SimpleNamespace(chi2_dof=baseline), SimpleNamespace(chi2_dof=final)
+    first, last = standing_in(Fit, chi2_dof=baseline), standing_in(Fit, chi2_dof=final)
     choice = Choice(standing_in(Fit), (), standing_in(Refit, fit=last, ids=causes))
     found = []
 

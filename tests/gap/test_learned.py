@@ -7,12 +7,15 @@ import pytest
 from scipy import stats
 
 from tests.standing_in import standing_in
+from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import learned
 from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.learned import log_evidence
 from tp_jax.gap.refit import Refit
 
 RNG = np.random.default_rng(3)
+SETTING = standing_in(PreparedCampaign)
 
 
 def test_log_evidence_is_a_ratio_of_densities():
@@ -42,25 +45,27 @@ def test_twelve_numbers_are_charged_for_what_they_could_have_taken():
 def test_the_choice_goes_on_where_a_law_is_refused(monkeypatch):
     """With the refits of the first round, which are not done a second time."""
     calls, answers = [], []
+    formulas, a_law = standing_in(Choice), standing_in(Choice)
+    begun = standing_in(Choice, rounds=(standing_in(Round, searched=None),))
 
     def choose(setting, baseline, seed, progress, known, elsewhere):
         calls.append(elsewhere)
-        answers.append(elsewhere(SimpleNamespace(rounds=(SimpleNamespace(searched=None),))))
-        return "formulas" if answers[-1] is None else answers[-1]
+        answers.append(elsewhere(begun))
+        return formulas if answers[-1] is None else answers[-1]
 
     monkeypatch.setattr(learned, "choose", choose)
     monkeypatch.setattr(learned, "with_supports", lambda setting, fit: setting)
     monkeypatch.setattr(learned, "_alone", lambda *args: ["a law"])
-    setting = SimpleNamespace(layout=SimpleNamespace(learned={"x"}))
-    for accepted in (None, "a law's choice"):
+    setting = standing_in(PreparedCampaign, layout=SimpleNamespace(learned={"x"}))
+    for accepted in (None, a_law):
         monkeypatch.setattr(learned, "_first_accepted", lambda *args, a=accepted: a)
-        found = learned.choose_or_learn(setting, None, 0, lambda *_: None)
-        assert found == (accepted or "formulas")
-    assert answers == [None, "a law's choice"]
+        found = learned.choose_or_learn(setting, standing_in(Fit), 0, lambda *_: None)
+        assert found is (accepted or formulas)
+    assert answers == [None, a_law]
     assert len(calls) == 2
 
 
-class Left:
+class Left(Fit):
     """A fit, as far as one asks what it leaves beyond the noise."""
 
     dof, chi2_dof = 1000, 1.0
@@ -77,11 +82,11 @@ def test_a_formula_that_takes_nearly_all_is_not_replaced(left, asked, monkeypatc
     calls = []
     monkeypatch.setattr(learned, "polish", lambda setting, result: result)
     monkeypatch.setattr(learned, "_tried", lambda *args: calls.append(args) or [])
-    best = SimpleNamespace(fit=Left(left), ids=("spring_hardening",))
+    best = standing_in(Refit, fit=Left(left), ids=("spring_hardening",))
     seen = SimpleNamespace(scored=(), pair=lambda: None)
     searched = Left(100_000.0)
-    r = SimpleNamespace(refits={"a": best}, searched=searched, before=searched, screen=seen)
-    assert learned._alone(None, r, lambda *_: None, None, []) == []
+    r = standing_in(Round, refits={"a": best}, searched=searched, before=searched, screen=seen)
+    assert learned._alone(SETTING, r, lambda *_: None, None, []) == []
     assert bool(calls) == asked
 
 
@@ -95,9 +100,9 @@ def test_two_formulas_that_promise_more_are_asked_before_a_law(pair, least, monk
     two = SimpleNamespace(drop=10.0, variant=SimpleNamespace(unknowns=("a", "b")))
     seen = SimpleNamespace(scored=(one, two), pair=lambda: (one, two, pair))
     searched = Left(100_000.0)
-    best = SimpleNamespace(fit=Left(2000.0), ids=("spring_asymmetry",))
-    r = SimpleNamespace(refits={"a": best}, searched=searched, before=searched, screen=seen)
-    assert learned._alone(None, r, lambda *_: None, None, []) == []
+    best = standing_in(Refit, fit=Left(2000.0), ids=("spring_asymmetry",))
+    r = standing_in(Round, refits={"a": best}, searched=searched, before=searched, screen=seen)
+    assert learned._alone(SETTING, r, lambda *_: None, None, []) == []
     assert asked == [least]
 
 
@@ -105,7 +110,9 @@ def round_of(*drops, p=0.5):
     """A round that screened formulas with these falls of the sum of squares."""
     seen = SimpleNamespace(scored=[SimpleNamespace(drop=d) for d in drops])
     structure = SimpleNamespace(p=p)
-    return standing_in(Round, before=Left(500.0), searched=None, screen=seen, structure=structure)
+    return standing_in(
+        Round, before=Left(500.0), searched=standing_in(Fit), screen=seen, structure=structure
+    )
 
 
 @pytest.mark.parametrize(
@@ -122,7 +129,7 @@ def test_one_law_is_asked_for_in_the_place_of_several_formulas(causes, p, asked,
     least = []
     monkeypatch.setattr(learned, "with_supports", lambda setting, fit: setting)
     monkeypatch.setattr(learned, "_tried", lambda *args: least.append(args[-1]) or [])
-    setting = SimpleNamespace(layout=SimpleNamespace(learned=True))
+    setting = standing_in(PreparedCampaign, layout=SimpleNamespace(learned=True))
     rounds = (round_of(300.0, 40.0, p=0.001), round_of(20.0, p=p))
     final = standing_in(Refit, fit=Left(40.0), ids=causes)
     choice = standing_in(Choice, rounds=rounds, final=final, structure=rounds[-1].structure)
@@ -158,8 +165,8 @@ def standing_law(monkeypatch, fit):
 
 
 def tried(base, trials, most):
-    setting = SimpleNamespace(layout=SimpleNamespace(effects=()))
-    r = SimpleNamespace(before=base.fit)
+    setting = standing_in(PreparedCampaign, layout=SimpleNamespace(effects=()))
+    r = standing_in(Round, before=base.fit)
     return learned._tried(setting, r, base, lambda *_: None, None, trials, 1, 0.0, most)
 
 

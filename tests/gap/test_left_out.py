@@ -5,6 +5,9 @@ import types
 import numpy as np
 import pytest
 
+from tests.standing_in import standing_in
+from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap.left_out import groups
 from tp_jax.gap.policy import FoldPolicy
 
@@ -17,9 +20,9 @@ def grouped(*durations: float, recordings=None, within: bool = False, policy=POL
     recordings = range(len(durations)) if recordings is None else recordings
     prepared = [types.SimpleNamespace(t=np.linspace(0.0, d, 100)) for d in durations]
     which = np.concatenate([np.full(max(1, round(durations[r] / WINDOW)), r) for r in recordings])
-    setting = types.SimpleNamespace(prepared=prepared, period=PERIOD)
+    setting = standing_in(PreparedCampaign, prepared=prepared, period=PERIOD)
     windows = types.SimpleNamespace(recording=which, n=which.size)
-    fit = types.SimpleNamespace(problem=types.SimpleNamespace(windows=windows))
+    fit = standing_in(Fit, problem=types.SimpleNamespace(windows=windows))
     return which, groups(setting, fit, policy, within=within)
 
 
@@ -73,6 +76,6 @@ def test_recordings_that_were_not_fitted_have_no_group():
 def test_never_more_spans_than_windows():
     prepared = [types.SimpleNamespace(t=np.linspace(0.0, 100.0, 50))]
     windows = types.SimpleNamespace(recording=np.zeros(3, dtype=int), n=3)
-    setting = types.SimpleNamespace(prepared=prepared, period=PERIOD)
-    fit = types.SimpleNamespace(problem=types.SimpleNamespace(windows=windows))
+    setting = standing_in(PreparedCampaign, prepared=prepared, period=PERIOD)
+    fit = standing_in(Fit, problem=types.SimpleNamespace(windows=windows))
     assert groups(setting, fit, POLICY).tolist() == [0, 1, 2]

@@ -9,11 +9,13 @@ import pytest
 
 import tp_jax as tp
 from tests.rigs import synthetic_campaign, synthetic_values
+from tests.standing_in import standing_in
 from tp_jax.effects import catalogue
 from tp_jax.errors import InputError
 from tp_jax.estimation.assemble import fit_record
+from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.placement import place
-from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
 from tp_jax.estimation.windows import Windows
@@ -165,11 +167,12 @@ def test_a_base_faster_than_a_decays_samples():
 
 def held_out(squares, complete: bool = True) -> HeldOut:
     squares = np.asarray(squares, dtype=float)
-    return HeldOut(squares, np.full(squares.shape, 100.0), None, complete)
+    return HeldOut(squares, np.full(squares.shape, 100.0), standing_in(Fit), complete)
 
 
 def shrunk(before, after):
-    setting = SimpleNamespace(
+    setting = standing_in(
+        PreparedCampaign,
         fitted=[0],
         recordings=[SimpleNamespace(n=250_000)],
         held_out_noise={"phi1": 1e-3, "phi2": 1e-3},
@@ -192,12 +195,12 @@ def test_windows_that_cannot_be_integrated_are_not_counted():
     valid = np.ones((3, 12), dtype=bool)
     lin = SimpleNamespace(samples=r[:, :-4], valid=valid, complete=complete)
     problem = SimpleNamespace(sigma=np.full((3, 2), 1e-3), coloured=False)
-    found = squares(SimpleNamespace(linearisation=lin, problem=problem))
+    found = squares(standing_in(Fit, linearisation=lin, problem=problem))
     assert not found.complete
     # four samples a channel less two estimated states
     assert found.mean_square() == pytest.approx(2.0 * (2e-3) ** 2)
     lin.complete = np.zeros(3, dtype=bool)
-    none = squares(SimpleNamespace(linearisation=lin, problem=problem))
+    none = squares(standing_in(Fit, linearisation=lin, problem=problem))
     assert np.isnan(none.mean_square())
 
 
@@ -216,7 +219,8 @@ def test_few_windows_promise_little():
 
 def test_the_noise_of_few_samples_is_known_less_well():
     def of(n):
-        return floor_error(SimpleNamespace(fitted=[0], recordings=[SimpleNamespace(n=n)]))
+        recordings = [SimpleNamespace(n=n)]
+        return floor_error(standing_in(PreparedCampaign, fitted=[0], recordings=recordings))
 
     assert of(15_000) == FLOOR_ERROR
     assert of(500) == pytest.approx(0.13, abs=0.01)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from tests.blocks import whole
+from tests.standing_in import standing_in
+from tp_jax.gap.directions import Variant
 from tp_jax.gap.screen import Scored, Screen, predicted_drop
 
 
@@ -16,7 +18,7 @@ def screen_of(V: np.ndarray, score: np.ndarray, *limits: tuple[float, float]) ->
         rows = slice(i, i + 1)
         bounds = np.array([limits[i] if limits else (-np.inf, np.inf)])
         estimate, drop, unbounded = predicted_drop(bounds, V[rows, rows], score[rows])
-        variant = types.SimpleNamespace(effect=types.SimpleNamespace(id=f"e{i}"))
+        variant = standing_in(Variant, effect=types.SimpleNamespace(id=f"e{i}"))
         scored.append(
             Scored(
                 variant,

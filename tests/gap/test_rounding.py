@@ -8,7 +8,8 @@ import pytest
 
 from tests import noisy
 from tests.standing_in import standing_in
-from tp_jax.estimation.prepared_campaign import prepare_campaign
+from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.prepared_campaign import PreparedCampaign, prepare_campaign
 from tp_jax.estimation.problem import Problem
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.sharpen import fit_with_sharp_friction
@@ -68,13 +69,13 @@ def drawn_at(rest, step):
         valid=np.ones((3, 2 * SAMPLES + 4), dtype=bool),
         states_jac=np.zeros((3, 2 * SAMPLES + 4, 4)),
     )
-    fit = SimpleNamespace(problem=problem, linearisation=lin, dof=6 * SAMPLES)
+    fit = standing_in(Fit, problem=problem, linearisation=lin, dof=6 * SAMPLES)
     steps = np.tile([step, 0.0], (3, 1))
     source = Rounding(problem, predicted, steps, np.zeros((3, 1, 0)), np.zeros(3, dtype=int))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rounding, "coarse_steps", lambda setting: steps)
         patch.setattr(rounding, "rounding", lambda *args: source)
-        return rounding.drawn_squares(fit, None, 200)
+        return rounding.drawn_squares(fit, standing_in(PreparedCampaign), 200)
 
 
 def test_a_body_at_rest_reads_with_an_error_that_its_place_on_a_step_decides():

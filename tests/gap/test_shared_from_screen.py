@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from tests.blocks import whole
+from tests.standing_in import standing_in
 from tp_jax.effects.base import Amplitude
 from tp_jax.estimation.layout import Unknown
+from tp_jax.gap.directions import Variant
 from tp_jax.gap.screen import Scored, Screen
 from tp_jax.gap.shared.from_screen import rig_scores
 from tp_jax.gap.structure import dispersions
@@ -19,7 +21,7 @@ def scored(id, at, q, *, by_recording=False, drop=1.0, shapes=(), blocks=None, V
     amplitudes = tuple(Amplitude(f"a{i}", "N m") for i in range(1 if by_recording else q))
     effect = types.SimpleNamespace(id=id, location="spring", amplitudes=amplitudes)
     unknowns = tuple(Unknown(f"{id}.a{i}", i if by_recording else None) for i in range(q))
-    variant = types.SimpleNamespace(effect=effect, shapes=shapes, unknowns=unknowns)
+    variant = standing_in(Variant, effect=effect, shapes=shapes, unknowns=unknowns)
     rows = slice(at, at + q)
     limits = np.tile((-np.inf, np.inf), (q, 1))
     return Scored(

@@ -3,12 +3,14 @@
 import dataclasses
 import errno
 import os
+import shutil
 import tomllib
 
 import pytest
 
 from tests.serve.conftest import COMMANDED, RUNS, TOKEN, answers, opened
 from tp_jax.errors import InputError
+from tp_jax.serve.answers import answers_of
 from tp_jax.serve.folder import ServedFolder
 from tp_jax.serve.limits import LIMITS
 from tp_jax.serve.names import inside, readable, safe_name
@@ -140,6 +142,35 @@ def test_answers_come_back(filled):
         assert top["rig"]["B1"] == 1.2e-3
 
 
+def test_answers_typed_while_a_file_comes_are_kept(filled):
+    """And no digit of them is lost, whatever is answered later."""
+    served = ServedFolder(filled)
+    served.write(answers_of(answers("", **COMMANDED)))
+    shutil.copy(RUN, filled / "late.csv")
+    typed = {**COMMANDED, "run_13": "13.0899694"}
+    served.write(answers_of(answers("1.284614e-3", **typed)))  # while late.csv was on its way
+    served.added("late.csv")
+    top = tomllib.loads((filled / "campaign.toml").read_text(encoding="utf-8"))
+    assert top["rig"]["B1"] == 1.284614e-3
+    omegas = {each["file"]: each.get("omega") for each in top["recording"]}
+    assert omegas["run-13.csv"] == 13.0899694
+    assert "late.csv" in omegas
+    with opened(filled) as client:
+        client.get(f"/?token={TOKEN}")
+        assert 'value="13.0899694"' in client.get("/").text
+
+
+def test_a_campaign_of_ones_own_takes_the_place_of_the_pages(client, folder):
+    client.put("/recordings/run-06.csv", content=RUN.read_bytes())
+    own = b"[rig]\nB1 = 1.3e-3\n[[recording]]\nfile = 'run-06.csv'\nomega = 6.0\n"
+    assert client.put("/recordings/campaign.toml", content=own).status_code == 201
+    assert (folder / "campaign.toml").read_bytes() == own
+    again = client.put("/recordings/campaign.toml", content=b"[rig]\n")
+    assert again.status_code == 409
+    assert "in an editor" in again.text
+    assert (folder / "campaign.toml").read_bytes() == own
+
+
 def test_a_file_of_another_make_puts_no_other_out(client, folder):
     """Though its name comes first."""
     rows = RUN.read_bytes()
@@ -193,6 +224,8 @@ def test_a_drive_that_was_measured(client, folder):
         ("", "", "run-06.csv: the frequency of its drive is missing"),
         ("", "six", "run-06.csv: the frequency of its drive must be a number"),
         ("", "inf", "run-06.csv"),
+        ("", "1e155", "must be from 0.0001 to 10000 rad/s, but is 1e+155"),
+        ("", "1e-300", "must be from"),
     ],
 )
 def test_answers_that_cannot_be_are_told_in_a_sentence(filled, B1, omega, words):

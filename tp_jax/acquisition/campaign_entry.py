@@ -8,6 +8,8 @@ a file that was no TOML where `recording` was an inline array.
 import json
 import os
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,11 @@ from tp_jax.recordings.checks import check_recording
 from tp_jax.recordings.entries import Entry as Entry
 from tp_jax.recordings.entries import read_plan
 from tp_jax.schemas.checking import read_toml
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
 
 CAMPAIGN = "campaign.toml"
 
@@ -73,25 +80,45 @@ def unusable(folder: Path, recorded: Recorded) -> str | None:
     return None
 
 
-def append_entry(folder: Path, recorded: Recorded) -> bool:
+def append_entry(folder: Path, recorded: Recorded) -> str | None:
     """Appends a recording's entry to the folder's campaign.toml, or to a new one.
 
-    Returns whether it did: a recording that is `unusable` stays out. InputError where the file
-    cannot be read, written or appended to.
+    Returns the fault of a recording that stays out, being `unusable`, or None. InputError where the
+    file cannot be read, written or appended to.
     """
-    if unusable(folder, recorded) is not None:
-        return False
     file = folder / CAMPAIGN
     try:
-        old = _read(file) if file.exists() else _new(folder, recorded)
-        text = _with_entry(file, old, _entry(recorded))
-        with replaced(file) as part:
-            part.write_text(text, encoding="utf-8", newline="\n")
+        with _alone(folder):
+            unfit = unusable(folder, recorded)
+            if unfit is not None:
+                return unfit
+            old = _read(file) if file.exists() else _new(folder, recorded)
+            text = _with_entry(file, old, _entry(recorded))
+            with replaced(file) as part:
+                part.write_text(text, encoding="utf-8", newline="\n")
     except OSError as fault:
         raise InputError(
             f"Cannot write {file}: {fault.strerror}; the recording is in {recorded.path}."
         ) from fault
-    return True
+    return None
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Waits for another recording that ends just now and adds itself to the same campaign.
+
+    The lock is on the folder itself, so that no file is left; it goes with the process. Windows has
+    none for folders: there two recordings must not end together.
+    """
+    if fcntl is None:
+        yield
+        return
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(held)
 
 
 def _read(file: Path) -> str:

@@ -138,10 +138,12 @@ class Device:
             )
         return ack
 
-    def stop(self) -> None:
-        """Tells the rig to stop; an answer is not waited for long."""
-        if self.identity is not None:
-            self._acknowledged(protocol.STOP, (), 1.0)
+    def stop(self) -> bool:
+        """Tells the rig to stop, and says whether it did, as far as one can tell.
+
+        An answer is not waited for long. A stream of text is told nothing.
+        """
+        return self.identity is None or self._acknowledged(protocol.STOP, (), 1.0) is not None
 
     def forget(self) -> None:
         """Forgets all that came so far, and what had begun to: the line was interrupted."""

@@ -10,7 +10,7 @@ import logging
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -36,6 +36,8 @@ SIGNIFICANT_ERRORS = 3.0
 LARGEST_RELEASE = 0.5 * np.pi  # rad; beyond, no bridge tells which turn a run began in
 _STATUS_PERIOD = 0.1
 
+MAY_STILL_RUN = "The rig did not confirm that it stopped, and may still run; switch its motor off."
+
 
 def record(
     port: Port | str,
@@ -44,8 +46,11 @@ def record(
     *,
     baud: int = protocol.BAUD,
     progress: Progress | None = None,
+    ready: Callable[[], None] | None = None,
 ) -> Recorded:
     """Records one run. Ctrl-C ends it early and keeps what there is.
+
+    So do a SIGTERM, and a terminal that is closed: the rig is told to stop.
 
     Args:
         port: an open port, or the name of one, which is closed in the end.
@@ -53,6 +58,8 @@ def record(
         settings: of the run.
         baud: for a port that is opened here.
         progress: called some ten times a second.
+        ready: called once the rig has answered, just before the run begins; a rig that sends lines
+            of text has begun by then.
 
     Raises:
         InputError: the port, the rig or the file cannot be used, or nothing came: no file is
@@ -62,7 +69,8 @@ def record(
     check(path, settings)
     own = port if isinstance(port, Port) else Port(port, baud)
     try:
-        return _Recorder(own, path, settings, progress).run()
+        with _ended_like_ctrl_c():
+            return _Recorder(own, path, settings, progress).run(ready)
     except Unplugged as fault:
         raise InputError(
             f"The port {own.name} has gone before the recording began; plug the rig in again."
@@ -102,14 +110,45 @@ def correction(fit: ClockFit | None) -> float:
 @contextmanager
 def uninterrupted() -> Iterator[None]:
     """Another Ctrl-C does not keep a recording from being closed and described; a second or two."""
+    with _on_signals(signal.SIG_IGN, (signal.SIGINT, *_endings())):
+        yield
+
+
+@contextmanager
+def _ended_like_ctrl_c() -> Iterator[None]:
+    """A SIGTERM or a closed terminal raises KeyboardInterrupt: else the motor would run on.
+
+    A signal that is ignored, as by nohup, or that the program handles itself, stays so.
+    """
+
+    def interrupt(_: int, frame: object) -> None:  # noqa: ARG001
+        raise KeyboardInterrupt
+
+    left = [each for each in _endings() if signal.getsignal(each) == signal.SIG_DFL]
+    with _on_signals(interrupt, left):
+        yield
+
+
+def _endings() -> tuple[int, ...]:
+    """Signals, beside Ctrl-C's, that end a program; Windows has one of them."""
+    names = ("SIGTERM", "SIGHUP")
+    return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
+
+
+@contextmanager
+def _on_signals(
+    handler: Callable[[int, object], None] | signal.Handlers, numbers: Iterable[int]
+) -> Iterator[None]:
+    """Handles signals so for a while; only a main thread can."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, own in before.items():
+            signal.signal(number, own)
 
 
 class _Recorder:
@@ -126,8 +165,10 @@ class _Recorder:
         self.omega = settings.omega
         self._shown = 0.0
 
-    def run(self) -> Recorded:
+    def run(self, ready: Callable[[], None] | None) -> Recorded:
         self.device.identify(self.settings.patience)
+        if ready is not None:
+            ready()
         try:
             self.stream = self._begin()
         except BaseException:
@@ -154,7 +195,12 @@ class _Recorder:
         if not log.written:
             why = " ".join(self.stream.notes) or "check that the firmware samples."
             raise InputError(
-                f"No sample came from {self.port.name} after the run was started; {why}"
+                " ".join(
+                    [
+                        f"No sample came from {self.port.name} after the run was started; {why}",
+                        *log.notes,
+                    ]
+                )
             )
         with uninterrupted():
             return self._finished()
@@ -273,9 +319,12 @@ class _Recorder:
         if rest is not None:
             log.take(rest)
             log.state = state
+        stopped = False
         if state != "unplugged":
             with suppress(Unplugged):
-                self.device.stop()
+                stopped = self.device.stop()
+        if not stopped and self.omega and self.stream.kind == "frames":
+            log.notes.append(MAY_STILL_RUN)
         log.close()
 
     def _finished(self) -> Recorded:

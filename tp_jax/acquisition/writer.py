@@ -35,7 +35,12 @@ class CsvWriter:
             raise InputError(already_there(path)) from None
         except OSError as fault:
             raise InputError(f"Cannot write {path}: {fault.strerror}.") from fault
-        os.write(self._fd, (",".join(names) + "\n").encode())
+        try:
+            self._append((",".join(names) + "\n").encode())
+        except OSError as fault:
+            os.close(self._fd)
+            path.unlink(missing_ok=True)  # it holds nothing, and the name is free for another try
+            raise InputError(f"Cannot write {path}: {fault.strerror}.") from fault
         self._closed = False
         self._beside: queue.SimpleQueue[Callable[[], object] | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._sync, name="tp-jax-sync", daemon=True)
@@ -43,10 +48,20 @@ class CsvWriter:
 
     def write(self, columns: np.ndarray) -> None:
         """Appends (n, columns) rows; raises OSError where the disk is full or gone."""
-        block = memoryview((self._line * len(columns) % tuple(columns.ravel().tolist())).encode())
-        while block:  # a pipe or a full disk may take a part
-            block = block[os.write(self._fd, block) :]
+        self._append((self._line * len(columns) % tuple(columns.ravel().tolist())).encode())
         self.rows += len(columns)
+
+    def _append(self, text: bytes) -> None:
+        """Writes all of it or nothing: a number cut in two would be read as another number."""
+        before = os.fstat(self._fd).st_size
+        block = memoryview(text)
+        try:
+            while block:  # a pipe or a full disk may take a part
+                block = block[os.write(self._fd, block) :]
+        except OSError:
+            with suppress(OSError):  # a pipe takes nothing back
+                os.ftruncate(self._fd, before)
+            raise
 
     def beside(self, job: Callable[[], object]) -> None:
         """Has the thread do something with the disk, unless it is still at the last such job."""

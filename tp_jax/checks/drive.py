@@ -139,7 +139,7 @@ def findings(driven: Sequence[Driven], policy: DrivePolicy) -> list[Finding]:
 
 def _same(mistake: Mistake, runs: Sequence[Driven]) -> Finding:
     omega = runs[0].recording.omega or 0.0
-    right = omega * (mistake.seen or 2.0 * math.pi / omega**2)
+    right = omega * (mistake.seen or 2.0 * math.pi / omega / omega)
     told = {"omega": omega, "right": right}
     several = len(runs) > 1
     wrong = mistake.wrong_of_all if several else mistake.wrong
@@ -174,7 +174,7 @@ def _look(recording: Recording, policy: DrivePolicy) -> Driven:
     at = strongest(t, x)
     found = []
     for mistake in MISTAKES:
-        meant = omega * (mistake.seen or 2.0 * math.pi / omega**2)
+        meant = omega * (mistake.seen or 2.0 * math.pi / omega / omega)
         fastest = math.pi / float(np.median(np.diff(t)))
         if meant * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods or meant > fastest:
             continue

@@ -1,11 +1,12 @@
 """tp-jax explore: records, diagnoses and chooses the next run, until the cause is known."""
 
 import argparse
+import functools
 import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from tp_jax.cli.arguments import (
     LARGEST_ANGLE,
@@ -38,6 +39,9 @@ if TYPE_CHECKING:
 REPORT = "diagnosis"
 """Folder in the campaign's that gets report.html and diagnosis.json of the last diagnosis."""
 
+NEW = "exploration"
+"""The folder that is made where none is named; the next is exploration-2."""
+
 MOST_RUNS = 8
 """Recordings unless it is said: the trials' campaigns have six, and a diagnosis of more of them
 takes minutes."""
@@ -60,8 +64,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--campaign",
         metavar="DIR",
-        required=True,
-        help="the campaign's folder; its recordings count, and a new one is made",
+        help="the campaign's folder; its recordings count, and a missing one is made; default: a "
+        f"new folder ./{NEW}",
     )
     parser.add_argument(
         "--limit",
@@ -116,26 +120,40 @@ def run_explore(args: argparse.Namespace) -> None:
         )
 
     from tp_jax.acquisition.campaign_entry import check_campaign
-    from tp_jax.cli.output import made_folder, ready, write_json
+    from tp_jax.cli.output import made_folder, new_folder, ready, write_json
 
-    folder = Path(args.campaign)
     ready(args.json)
-    check_campaign(folder)
-    made_folder(folder)
     settings_of(args, omega=None, release=None)  # sees that the calibration can be read
-    drives, commanded = _what_the_rig_does(args)
-    if not drives and args.no_release:
+    if args.campaign is not None:
+        check_campaign(Path(args.campaign))
+    rig = _rig_at(args)
+    if not rig.drives and args.no_release:
         raise InputError(f"The rig at {args.port} has no motor to command; leave out --no-release.")
+    folder = new_folder(NEW) if args.campaign is None else made_folder(args.campaign)
+    if args.campaign is None and not args.quiet:
+        where = sys.stderr if args.json == "-" else sys.stdout
+        print(f"Recordings go to {folder}.", file=where, flush=True)
 
     from tp_jax.exploring import explore
+    from tp_jax.exploring.amplitudes import amplitude_of
     from tp_jax.gap.next_run import Limits
 
-    limits = Limits(args.limit, args.omega, drives, not args.no_release)
+    args.amplitude = amplitude_of(folder, args.amplitude, rig.amplitude)
+    limits = Limits(args.limit, args.omega, rig.drives, not args.no_release)
 
     def record(run: "Run", out: Path) -> "Recorded":
-        if not commanded or (run.release is not None and args.port != EMULATOR):
-            _ask(args, run)
-        return recorded_at(args, out, settings_of(args, omega=run.omega, release=run.release))
+        settings = settings_of(args, omega=run.omega, release=run.release)
+        ready = None
+        if args.port != EMULATOR and (run.release is not None or not rig.commanded):
+            if rig.frames:  # a board that starts anew with its port answers before the column goes
+                ready = functools.partial(_ask, args, run)
+            else:
+                _ask(args, run)
+        recorded = recorded_at(args, out, settings, ready)
+        if recorded.fault is None and not args.quiet:
+            for note in recorded.metadata["notes"]:
+                print(note, file=sys.stderr, flush=True)
+        return recorded
 
     def tell(made: "Made | None", number: int, finding: "Finding") -> None:
         if not args.quiet and args.json != "-":
@@ -153,7 +171,10 @@ def run_explore(args: argparse.Namespace) -> None:
             diagnosed=tell,
         )
     except KeyboardInterrupt:
-        raise KeyboardInterrupt("interrupted; the same command goes on from here.") from None
+        same = f"with --campaign {folder}" if args.campaign is None else "again"
+        raise KeyboardInterrupt(
+            f"interrupted; the same command {same} goes on from here."
+        ) from None
     if args.json is not None:
         write_json(args.json, explored.to_dict())
     if args.json != "-" and not args.quiet:
@@ -184,7 +205,7 @@ def _diagnoser(args: argparse.Namespace, limits: "Limits") -> "Callable[[Path], 
         enable_compilation_cache()
         from tp_jax.cli.output import replaced, write_json
         from tp_jax.cli.progress import shown
-        from tp_jax.exploring.loop import announced_amplitude
+        from tp_jax.exploring.amplitudes import announced_amplitude
         from tp_jax.gap.diagnosis import examine
         from tp_jax.gap.forecast import outlook
         from tp_jax.report.html import write_report
@@ -204,14 +225,25 @@ def _diagnoser(args: argparse.Namespace, limits: "Limits") -> "Callable[[Path], 
     return diagnose
 
 
-def _what_the_rig_does(args: argparse.Namespace) -> tuple[bool, bool]:
-    """Says whether the rig can be driven at a frequency that is known, and sets it when told to.
+class _Rig(NamedTuple):
+    """The rig at the port.
+
+    drives: it can be driven at a frequency that is known; commanded: it sets that when told to;
+    frames: it is asked before a run begins; amplitude: of its drive [rad], None: it says none.
 
     A stream of text takes no commands: whoever sets the motor is told what to set. A rig of frames
     that has no motor records decays.
     """
+
+    drives: bool
+    commanded: bool
+    frames: bool
+    amplitude: float | None
+
+
+def _rig_at(args: argparse.Namespace) -> _Rig:
     if args.port == EMULATOR:
-        return True, True
+        return _Rig(True, True, True, None)
 
     from tp_jax.acquisition.device import Device
     from tp_jax.acquisition.port import Port, Unplugged
@@ -224,9 +256,10 @@ def _what_the_rig_does(args: argparse.Namespace) -> tuple[bool, bool]:
         raise InputError(f"The port {args.port} has gone; plug the rig in again.") from fault
     finally:
         port.close()
-    if device.identity is None:
-        return True, False
-    return device.identity.drives, device.identity.drives
+    told = device.identity
+    if told is None:
+        return _Rig(True, False, False, None)
+    return _Rig(told.drives, told.drives, True, told.amplitude or None)
 
 
 def _ask(args: argparse.Namespace, run: "Run") -> None:

@@ -57,6 +57,14 @@ def made_folder(target: str | Path) -> Path:
     return folder
 
 
+def new_folder(name: str) -> Path:
+    """A folder that was not there before: the name itself, or name-2, name-3, ..."""
+    number = 1
+    while (path := Path(name if number == 1 else f"{name}-{number}")).exists():
+        number += 1
+    return made_folder(path)
+
+
 def ready(*targets: str | Path | None, overwrite: bool | None = None) -> None:
     """Sees before the work that its results can be written; None and `-` always can.
 

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import time
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -118,7 +118,7 @@ def add_line(parser: argparse.ArgumentParser) -> None:
 
 
 def run_record(args: argparse.Namespace) -> None:
-    from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name, unusable
+    from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name
     from tp_jax.acquisition.recorder import check, uninterrupted
     from tp_jax.cli.output import made_folder, ready, write_json
 
@@ -140,9 +140,7 @@ def run_record(args: argparse.Namespace) -> None:
 
     recorded = recorded_at(args, out, settings)
     with uninterrupted():
-        unfit = None if folder is None else unusable(folder, recorded)
-        if folder is not None and unfit is None:
-            append_entry(folder, recorded)
+        unfit = None if folder is None else append_entry(folder, recorded)
     if args.json is not None:
         write_json(args.json, recorded.metadata)
     if not args.quiet and args.json != "-":
@@ -184,10 +182,15 @@ def settings_of(
     )
 
 
-def recorded_at(args: argparse.Namespace, out: Path, settings: "Settings") -> "Recorded":
+def recorded_at(
+    args: argparse.Namespace,
+    out: Path,
+    settings: "Settings",
+    ready: Callable[[], None] | None = None,
+) -> "Recorded":
     """Records a run at the port of the arguments, and shows it on a terminal.
 
-    out: the file, not there yet.
+    out: the file, not there yet; ready: see `tp_jax.acquisition.recorder.record`.
     """
     from tp_jax.acquisition.port import Port
     from tp_jax.acquisition.recorder import record
@@ -201,7 +204,7 @@ def recorded_at(args: argparse.Namespace, out: Path, settings: "Settings") -> "R
     with _port(args) as name, live(quiet=args.quiet) as progress:
         faster = args.speed if virtual and args.speed is not None else 1.0
         port = Port(name, args.baud, lambda: faster * time.monotonic())
-        return record(port, out, settings, progress=progress)
+        return record(port, out, settings, progress=progress, ready=ready)
 
 
 def summary(recorded: "Recorded") -> str:

@@ -2,11 +2,12 @@
 
 import argparse
 import contextlib
+import threading
 import webbrowser
 from pathlib import Path
 
 from tp_jax.cli.arguments import add_common, whole
-from tp_jax.cli.output import made_folder
+from tp_jax.cli.output import new_folder
 from tp_jax.errors import InputError
 
 LARGEST_PORT = 65535
@@ -57,7 +58,8 @@ def run(args: argparse.Namespace) -> None:
             "'tp-jax[serve]'."
         ) from fault
 
-    folder, new = _new_folder() if args.folder is None else _folder(args.folder)
+    new = args.folder is None
+    folder = new_folder(NEW).resolve() if new else _folder(args.folder)
     try:
         bound = bind(folder, args.port)
         with bound.ended_by_interrupt():
@@ -65,7 +67,8 @@ def run(args: argparse.Namespace) -> None:
             if not args.quiet:
                 print(f"This page is of the folder {folder}; Ctrl-C ends it.", flush=True)
             if not args.no_browser:
-                webbrowser.open(bound.once)
+                # a browser of the terminal keeps the call until it is closed
+                threading.Thread(target=webbrowser.open, args=(bound.once,), daemon=True).start()
             bound.run()
     finally:
         if new:
@@ -73,16 +76,8 @@ def run(args: argparse.Namespace) -> None:
                 folder.rmdir()  # only where nothing came into it
 
 
-def _folder(name: str) -> tuple[Path, bool]:
+def _folder(name: str) -> Path:
     folder = Path(name)
     if not folder.is_dir():
         raise InputError(f"{name} is no folder; name one that is there, or none for a new one.")
-    return folder.resolve(), False
-
-
-def _new_folder() -> tuple[Path, bool]:
-    """A folder that was not there before."""
-    number = 1
-    while (path := Path(NEW if number == 1 else f"{NEW}-{number}")).exists():
-        number += 1
-    return made_folder(path).resolve(), True
+    return folder.resolve()

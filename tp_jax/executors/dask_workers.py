@@ -6,6 +6,7 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from typing import Any
 
+from tp_jax.errors import InputError
 from tp_jax.executors.missing import missing
 
 
@@ -17,7 +18,7 @@ def opened(workers: int) -> Iterator[Executor]:
         workers: processes of one thread, where no `DASK_SCHEDULER_ADDRESS` names a scheduler.
 
     Raises:
-        InputError: Dask is not installed.
+        InputError: Dask is not installed, or the scheduler does not answer.
     """
     try:
         import dask.config
@@ -26,7 +27,14 @@ def opened(workers: int) -> Iterator[Executor]:
         raise missing("dask", "distributed") from fault
     address = dask.config.get("scheduler-address", None)
     if address is not None:
-        with distributed.Client(address) as client:
+        try:
+            client = distributed.Client(address)
+        except OSError as fault:
+            raise InputError(
+                f"No scheduler of Dask answers at {address}, which DASK_SCHEDULER_ADDRESS names; "
+                "start it, or unset the variable to use this machine."
+            ) from fault
+        with client:
             yield client.get_executor(pure=False)
         return
     # no page, no limit at which workers are paused, no word of each that is lost: the seam counts

@@ -15,8 +15,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from tp_jax.errors import InputError
 from tp_jax.executors.calls import Call, Fault, Outcome, carry_out, kept_result, pickled
 from tp_jax.executors.choice import ExecutorChoice
+from tp_jax.executors.workers import Refused
 
 MOST_DEATHS = 5
 """Workers that die of one piece before it is given up: a machine that is switched off, or a hand
@@ -111,7 +113,16 @@ def run_pieces(
             while waiting and len(running) < choice.workers and time.monotonic() <= until:
                 piece = waiting.popleft()
                 call = _call(work, piece, folder, uses_jax)
-                running[executor.submit(carry_out, call)] = piece
+                try:
+                    running[executor.submit(carry_out, call)] = piece
+                except Refused as fault:
+                    # a cluster lets a user have so many jobs at once: those in hand go on
+                    if not running:
+                        raise InputError(
+                            f"The executor {choice.kind} takes no work: {fault}"
+                        ) from fault
+                    waiting.appendleft(piece)
+                    break
             if not running:
                 return
             for future in wait(running, return_when=FIRST_COMPLETED).done:

@@ -5,11 +5,13 @@ Ray connects to the cluster that `RAY_ADDRESS` names, and starts one on this mac
 
 import logging
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from typing import Any
 
+from tp_jax.errors import InputError, Notice
 from tp_jax.executors.missing import missing
 from tp_jax.executors.workers import Workers
 
@@ -23,7 +25,7 @@ def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Execu
     """Opens so many actors of one processor each.
 
     Raises:
-        InputError: Ray is not installed.
+        InputError: Ray is not installed, the cluster does not answer, or it is full.
     """
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # nothing is reported to anybody
     try:
@@ -41,14 +43,36 @@ def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Execu
                 "object_store_memory": STORE,
             }
         )
-        ray.init(log_to_driver=False, logging_level=logging.ERROR, **own)
-    executor = Workers(lambda: RayActor(ray), workers, pieces_per_worker)
+        try:
+            ray.init(log_to_driver=False, logging_level=logging.ERROR, **own)
+        except ConnectionError as fault:
+            raise InputError(
+                f"No cluster of Ray answers at {os.environ.get('RAY_ADDRESS')}, which RAY_ADDRESS "
+                "names; start it, or unset the variable to use this machine."
+            ) from fault
+    executor = Workers(lambda: RayActor(ray), _placed(ray, workers), pieces_per_worker)
     try:
         yield executor
     finally:
         executor.shutdown(cancel_futures=True)  # all that was wanted has ended
         if ours:
             ray.shutdown()
+
+
+def _placed(ray: Any, workers: int) -> int:
+    """Number of workers that the cluster has room for: an actor too many would wait for ever."""
+    free = int(ray.available_resources().get("CPU", 0.0))
+    if free < 1:
+        raise InputError(
+            "The cluster of Ray has no processor free; wait for other work, or add a machine."
+        )
+    if free < workers:
+        warnings.warn(
+            f"The cluster of Ray has {free} processors free, so {free} workers are used.",
+            Notice,
+            stacklevel=2,
+        )
+    return min(workers, free)
 
 
 class Caller:

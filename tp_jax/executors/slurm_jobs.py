@@ -12,7 +12,7 @@ from typing import Any
 
 from tp_jax.errors import InputError
 from tp_jax.executors.missing import missing
-from tp_jax.executors.workers import ended
+from tp_jax.executors.workers import Refused, ended
 
 CLUSTER = "slurm"
 """Name of the cluster for submitit; its own `local` needs no cluster."""
@@ -59,7 +59,10 @@ class SlurmJobs(Executor):
         self._waiting = ThreadPoolExecutor(workers, thread_name_prefix="tp-jax-job")
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future:
-        job = self._jobs.submit(fn, *args, **kwargs)
+        try:
+            job = self._jobs.submit(fn, *args, **kwargs)
+        except RuntimeError as fault:  # submitit's own is one
+            raise Refused(" ".join(str(fault).split())) from fault
         self._submitted.append(job)
         return self._waiting.submit(job.result)
 

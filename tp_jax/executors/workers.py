@@ -11,6 +11,10 @@ from threading import Lock
 from typing import Any, Protocol, runtime_checkable
 
 
+class Refused(RuntimeError):
+    """An executor takes no more work for now; the text says why."""
+
+
 @contextmanager
 def ended(executor: Executor) -> Iterator[Executor]:
     """The executor; its work is waited for, or given up where the block ends by an exception."""

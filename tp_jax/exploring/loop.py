@@ -20,11 +20,11 @@ from tp_jax.acquisition.campaign_entry import (
     check_campaign,
     entries_of,
     free_name,
-    unusable,
 )
 from tp_jax.acquisition.recorder import uninterrupted
-from tp_jax.acquisition.run_log import Recorded, metadata_path
+from tp_jax.acquisition.run_log import Recorded
 from tp_jax.errors import InputError, Notice
+from tp_jax.exploring.amplitudes import metadata_of
 from tp_jax.exploring.state import Made, State, read, write
 from tp_jax.gap.next_run import Finding, Limits, Next, Run, Stop, first_run, next_run
 from tp_jax.gap.policy import POLICY, ExplorePolicy
@@ -112,19 +112,26 @@ def explore(
     check_campaign(folder)
     folder.mkdir(parents=True, exist_ok=True)
     state = _recovered(folder, read(folder))
-    asked = {
-        "omega": limits.omega,
-        "drives": limits.drives,
-        "releases": limits.releases,
-        "duration": duration,
-        "amplitude": amplitude,
-    }
+    asked = json.loads(
+        json.dumps(
+            {
+                "omega": limits.omega,
+                "drives": limits.drives,
+                "releases": limits.releases,
+                "duration": duration,
+                "amplitude": amplitude,
+            }
+        )
+    )
     while True:
         entries = entries_of(folder)
         names = [entry.name for entry in entries]
-        of = json.loads(json.dumps({"files": names, "sha256": _digest(folder, entries), **asked}))
+        of = {"files": names, "sha256": _digest(folder, entries), **asked}
         if entries and (state.finding is None or state.diagnosed != of):
-            finding = _diagnosed(folder, diagnose, state.finding, len(entries), policy)
+            # forecasts for another amplitude, or other frequencies, say nothing of those asked for
+            held = state.diagnosed is not None and asked.items() <= state.diagnosed.items()
+            before = state.finding if held else None
+            finding = _diagnosed(folder, diagnose, before, len(entries), policy)
             runs = state.runs
             last = None
             if runs and runs[-1].file == names[-1]:
@@ -179,15 +186,6 @@ def _diagnosed(
         return Finding("unknown", forecasts=before.forecasts)
 
 
-def announced_amplitude(folder: Path) -> float | None:
-    """Amplitude of the drive [rad] that the rig announced with the latest recording, or None."""
-    for entry in reversed(entries_of(folder)):
-        device = _metadata(entry.file).get("device")
-        if isinstance(device, dict) and isinstance(device.get("amplitude"), int | float):
-            return float(device["amplitude"])
-    return None
-
-
 def _recovered(folder: Path, state: State) -> State:
     """The state after a program was killed: the run that it recorded is made, or was not."""
     if state.next is None:
@@ -201,9 +199,7 @@ def _recorded(folder: Path, record: Record, planned: Made) -> None:
     """Records a run and adds it to the campaign."""
     recorded = record(planned.run, folder / planned.file)
     with uninterrupted():
-        unfit = unusable(folder, recorded)
-        if unfit is None:
-            append_entry(folder, recorded)
+        unfit = append_entry(folder, recorded)
     if recorded.state == "interrupted":
         raise KeyboardInterrupt
     if unfit is not None:
@@ -231,15 +227,6 @@ def _made_run(entry: Entry) -> Run:
         return Run()
     if entry.forced and entry.omega is not None:
         return Run(omega=entry.omega)
-    drive = _metadata(entry.file).get("drive")
+    drive = metadata_of(entry.file).get("drive")
     release = drive.get("release") if isinstance(drive, dict) else None
     return Run(release=float(release) if isinstance(release, int | float) else 0.0)
-
-
-def _metadata(recording: Path) -> dict[str, Any]:
-    """Reads what is known of a recording; nothing where nobody wrote it down."""
-    try:
-        content = json.loads(bytes_of(metadata_path(recording)))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return content if isinstance(content, dict) else {}

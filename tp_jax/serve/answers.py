@@ -6,6 +6,7 @@ from typing import Any
 
 from tp_jax.checks.proposal import Answers, Driven
 from tp_jax.errors import InputError
+from tp_jax.serve.limits import LIMITS
 
 REMARK = "tp-jax serve writes this file. Remove this line to keep what you write into it yourself."
 """The first line of a campaign.toml that the page may replace."""
@@ -47,6 +48,11 @@ def _driven(name: str, run: Mapping[str, Any]) -> Driven:
         raise InputError(
             f"{name}: the frequency of its drive is missing; type it in rad/s, or choose free "
             "decay."
+        )
+    if not LIMITS.slowest <= omega <= LIMITS.fastest:
+        raise InputError(
+            f"{name}: the frequency of its drive must be from {LIMITS.slowest:g} to "
+            f"{LIMITS.fastest:g} rad/s, but is {omega:g}."
         )
     return Driven(kind, omega)
 

@@ -9,19 +9,19 @@ from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
 from tp_jax.errors import InputError
 from tp_jax.serve import pages
 from tp_jax.serve.answers import answers_of
-from tp_jax.serve.diagnoses import REPORT, RESULT, Diagnoses
+from tp_jax.serve.diagnoses import REPORT, Diagnoses
 from tp_jax.serve.folder import ServedFolder
 from tp_jax.serve.guard import REPORT_POLICY, Guard
 from tp_jax.serve.jobs import Child, Jobs, diagnosing
 from tp_jax.serve.limits import LIMITS, Limits
-from tp_jax.serve.names import safe_name
+from tp_jax.serve.names import CAMPAIGN, safe_name
 from tp_jax.serve.uploads import receive
 
 
@@ -56,9 +56,16 @@ def create_app(
         name = safe_name(request.path_params["name"])
         if sum(each.is_file() for each in folder.iterdir()) >= limits.files:
             raise InputError(f"The folder holds {limits.files} files already; use another one.")
-        before = await run_in_threadpool(served.answers)
-        await receive(request, folder / name, limits)
-        await run_in_threadpool(served.added, before)
+        over = name == CAMPAIGN
+        if over and await run_in_threadpool(lambda: served.by_hand):
+            raise HTTPException(
+                409, f"{name} is there already and stays as it is; change it in an editor."
+            )
+        try:
+            await receive(request, folder / name, limits, over=over)
+        except ClientDisconnect:  # the page was closed; nobody hears an answer
+            return Response(status_code=400)
+        await run_in_threadpool(served.added, name)
         return PlainTextResponse(f"{name} was added.", 201)
 
     async def answer(request: Request) -> Response:
@@ -99,12 +106,6 @@ def create_app(
             file, media_type="text/html", headers={"content-security-policy": REPORT_POLICY}
         )
 
-    def result(request: Request) -> Response:
-        file = diagnoses.file(request.path_params["name"], RESULT)
-        if file is None:
-            raise HTTPException(404, "There is no such diagnosis.")
-        return FileResponse(file, media_type="application/json")
-
     def compare(request: Request) -> Response:
         a, b = (request.query_params.get(key, "") for key in ("a", "b"))
         return _html(pages.compared(a, b, diagnoses.compared(a, b)))
@@ -123,7 +124,6 @@ def create_app(
             Route("/answers", answer, methods=["POST"]),
             Route("/diagnoses", diagnose, methods=["POST"]),
             Route("/diagnoses/{name}/report", report),
-            Route("/diagnoses/{name}/result", result),
             Route("/job", job, methods=["GET"]),
             Route("/job", cancel, methods=["DELETE"]),
             Route("/compare", compare),

@@ -111,15 +111,18 @@ class ServedFolder:
             except OSError as fault:
                 raise InputError(f"Cannot write {CAMPAIGN}: {fault.strerror}.") from fault
 
-    def added(self, before: Answers | None) -> None:
+    def added(self, name: str) -> None:
         """Writes the campaign.toml anew after a file has come, if it is this page's to write.
 
+        The answers so far are kept, those given while the file came among them.
+
         Args:
-            before: the answers as they were without the file, which are kept.
+            name: of the file, which is used.
         """
         with self._lock:
             if not self.by_hand and any(each.survey for each in self.files()):
-                self.write(before or Answers())
+                said = self.answers() or Answers()
+                self.write(replace(said, unused=said.unused - {name}))
 
     def check(self) -> Checked | None:
         """All that is wrong or doubtful about the campaign; None without a campaign.toml."""

@@ -16,6 +16,8 @@ class Limits:
         token: bytes of chance in the key, as many as a session of a bank has.
         grace: seconds that a child has to end by itself before it is killed.
         messages: lines that are kept of what a child says.
+        slowest, fastest: frequencies of a drive [rad/s]: a turn in most of a day, and what no motor
+            reaches.
     """
 
     upload: int = 500_000_000
@@ -25,6 +27,8 @@ class Limits:
     token: int = 32
     grace: float = 5.0
     messages: int = 20
+    slowest: float = 1e-4
+    fastest: float = 1e4
 
 
 LIMITS = Limits()

@@ -127,6 +127,7 @@ def _card(file: File, driven: Driven | None, used: bool) -> Card:
     seen = file.survey
     if seen is None:
         return Card(file.path.name, words.capital(file.fault.removeprefix(f"{file.path.name}: ")))
+    typed = driven is not None  # such a frequency stays as it is, digit by digit
     driven = driven or file.guess or Driven("decay")
     step = clocks.usual_step(seen.t)
     rising = seen.t[np.isfinite(seen.t)]
@@ -135,7 +136,7 @@ def _card(file: File, driven: Driven | None, used: bool) -> Card:
     angles = {"phi1": seen.phi1} | ({} if seen.phi2 is None else {"phi2": seen.phi2})
     both = "φ1" if seen.phi2 is None else "φ1 above φ2"
     shown = f"{both}, " + (f"the last {last:.3g} s" if last < length else "all of it")
-    omega = "" if driven.omega is None else f"{driven.omega:.6g}"
+    omega = "" if driven.omega is None else f"{driven.omega!r}" if typed else f"{driven.omega:.6g}"
     return Card(
         file.path.name,
         columns=tuple(

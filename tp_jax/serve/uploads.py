@@ -1,16 +1,16 @@
-"""Receiving a file: whole or not at all, never over one that is there, and not without limit."""
+"""Receiving a file: whole or not at all, never over a user's own, and not without limit."""
 
 from pathlib import Path
 
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
-from tp_jax._files import created
+from tp_jax._files import created, replaced
 from tp_jax.serve.limits import Limits
 
 
-async def receive(request: Request, target: Path, limits: Limits) -> None:
-    """Writes the body of a request to a new file.
+async def receive(request: Request, target: Path, limits: Limits, *, over: bool = False) -> None:
+    """Writes the body of a request to a new file, or over one that this page wrote.
 
     Raises:
         HTTPException: 413 it is too large; 409 the file is there already.
@@ -25,10 +25,10 @@ async def receive(request: Request, target: Path, limits: Limits) -> None:
     taken = HTTPException(
         409, f"{target.name} is there already and stays as it is; give the new file another name."
     )
-    if target.exists() or target.is_symlink():
+    if not over and (target.exists() or target.is_symlink()):
         raise taken
     try:
-        with created(target) as part, part.open("wb") as stream:
+        with (replaced if over else created)(target) as part, part.open("wb") as stream:
             size = 0
             async for chunk in request.stream():
                 size += len(chunk)

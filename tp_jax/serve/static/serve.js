@@ -42,6 +42,8 @@ async function upload(files) {
   list.replaceChildren();
   if (waiting && canAnswer()) await send(); // what was typed is kept
   let added = 0;
+  // a campaign.toml of one's own says what the others are
+  files.sort((a, b) => (b.name === "campaign.toml") - (a.name === "campaign.toml"));
   for (const file of files) {
     if (file.size > most) {
       say(list, `${file.name} has more than ${most / 1e6} MB; put it into the folder by hand.`, true);
@@ -57,6 +59,8 @@ async function upload(files) {
   byId("files").value = "";
   if (added) say(list, added === 1 ? "1 file was added." : `${added} files were added.`);
   if (!added) return;
+  if (waiting && canAnswer()) await send(); // what was typed meanwhile is kept
+  await sending;
   await refresh("recordings", "check", "diagnose");
   if (canAnswer()) await send(); // B1 may have been typed before there was a file
 }
