@@ -263,13 +263,12 @@ def _beside(kind, file) -> None:
 
 
 @pytest.mark.parametrize("kind", ["metadata", "campaign"])
-@pytest.mark.parametrize("option", ["--out", "--plot"])
-def test_a_recording_is_not_replaced_unasked(kind, option, tmp_path, capsys):
+def test_a_recording_is_not_replaced_unasked(kind, tmp_path, capsys):
     file = tmp_path / "run-13.csv"
     file.write_text("t,phi1,phi2\n0,0,0\n")
     _beside(kind, file)
     before = {each: each.read_bytes() for each in tmp_path.iterdir()}
-    assert main([*SHORT, option, str(file)]) == 2
+    assert main([*SHORT, "--out", str(file)]) == 2
     told = capsys.readouterr().err
     assert "run-13.csv is a recording; choose another name, or add --overwrite" in told
     assert {each: each.read_bytes() for each in tmp_path.iterdir()} == before

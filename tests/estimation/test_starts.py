@@ -41,6 +41,7 @@ def test_more_points_of_sobol_leave_the_first_alone(setting):
     np.testing.assert_array_equal(points(setting, 5, 3), points(setting, 21, 3)[:5])
 
 
+@pytest.mark.unchecked
 def test_another_sampling_is_refused(setting):
     with pytest.raises(InputError, match="no sampling"):
         points(setting, 2, 0, sampling="grid")

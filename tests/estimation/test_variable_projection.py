@@ -1,18 +1,18 @@
 """Fits with the windows' states projected out end in the same optimum, and sooner."""
 
 import dataclasses
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
 from tests.rigs import synthetic_campaign
+from tests.standing_in import standing_in
 from tp_jax.estimation import variable_projection
 from tp_jax.estimation.coordinates import Coordinates
 from tp_jax.estimation.elimination import eliminate
 from tp_jax.estimation.fitted import parameter
-from tp_jax.estimation.linearisation import columns, spread
+from tp_jax.estimation.linearisation import Linearisation, columns, spread
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import Schedule, problem_of
 from tp_jax.estimation.weak_form import WeakForm
@@ -201,7 +201,7 @@ def test_outliers_move_little_under_a_robust_loss(setting, schedule, fit):
 def test_steps_along_kinks_go_down_on_both_sides():
     rng = np.random.default_rng(0)
     X, r = rng.normal(size=(3, 20, 4)), rng.normal(size=(3, 20))
-    lin = SimpleNamespace(states_jac=X, r=r)
+    lin = standing_in(Linearisation, states_jac=X, r=r)
     slope = np.einsum("wmx,wm->wx", X, r)
     step, promise = steps_along_kinks(lin, slope)  # no other side: Gauss-Newton's own
     for w in range(3):

@@ -66,7 +66,7 @@ def test_a_cause_without_anything_left_is_not_called_a_part(made):
     diagnosis = made("partly")
     diagnosis["gap"]["structure_p_after"] = 0.4
     said = sentences(diagnosis)
-    assert said.heading == "A cause was found, but not for certain how far the gap shrinks"
+    assert said.heading == "Causes were found, but not for certain"
     assert said.what.startswith("The likeliest causes: ")
     assert "contact_stribeck" in said.what
     assert said.left == ""

@@ -67,12 +67,13 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
         third = recording.n // 3
         first, last = np.std(recording.phi1[:third]), np.std(recording.phi1[-third:])
         if last > policy.growing * first and last > policy.signal * noise:
+            times = f"{last / first:.2g} times as far at its end as at its beginning"
             doubt(
                 "motion",
-                f"it is said to be a free decay, but moves {last / first:.2g} times as far at its "
-                "end as at its beginning",
+                "it is said to be a free decay, but "
+                + (f"moves {times}" if first else "does not move in its first third"),
                 "give omega and forced = true if the motor ran, or a span from the release on",
-                growth=float(last / first),
+                growth=float(last / first) if first else np.inf,
             )
     for name, angle in recording.channels.items():
         times, end = stops(angle, clip)

@@ -123,6 +123,13 @@ def file_name(text: str) -> str:
     return text
 
 
+def figure_name(text: str) -> str:
+    """Name of a figure, by whose end its kind is chosen: .png or .svg."""
+    if os.path.splitext(file_name(text))[1].lower() not in (".png", ".svg"):
+        raise argparse.ArgumentTypeError(f"must end in .png or .svg, but is {_short(text)}")
+    return text
+
+
 def _short(text: str) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 

@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.recordings.calibration_run import calibrate
 
     calibration, runs = calibrate(args.files, args.law, degrees=args.degrees)
-    ready(args.json, out)
+    ready(args.json, out, inputs=args.files)
     write_calibration(out, calibration)
     if args.json is not None:
         spans = {n: s.span for n, s in calibration.sensors.items() if s.span is not None}

@@ -1,9 +1,10 @@
 """tp-jax check: all that is wrong or doubtful about a campaign, at once."""
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tp_jax.cli.arguments import add_campaign, add_common, add_json, file_name
+from tp_jax.cli.arguments import add_campaign, add_common, add_json, figure_name
 from tp_jax.cli.output import ready, replaced, write_json
 from tp_jax.errors import InputError
 
@@ -25,7 +26,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--figure",
         metavar="FILE.png",
-        type=file_name,
+        type=figure_name,
         help="draw the angles and phi1's spectrum; also .svg",
     )
     add_json(parser)
@@ -34,7 +35,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    ready(args.figure, args.json)
+    ready(args.figure, args.json, inputs=[args.campaign])
 
     from tp_jax.checks import check
 
@@ -43,10 +44,13 @@ def run(args: argparse.Namespace) -> None:
         from tp_jax.report.recordings import draw_recordings
 
         with replaced(args.figure) as part:
-            draw_recordings(checked, part, kind=args.figure.rpartition(".")[2])
+            draw_recordings(checked, part, kind=Path(args.figure).suffix[1:].lower())
     if args.json is not None:
         write_json(args.json, checked.to_dict())
-    if args.json != "-" and not args.quiet:
+    if args.quiet and args.json != "-":
+        for each in checked.wrong:  # faults are told all the same
+            print(f"{each.level:9}{each.sentence}")
+    elif args.json != "-":
         print("\n".join(_told(checked)))
         if args.figure is not None and checked.campaign is not None:
             print(f"Wrote {args.figure}")

@@ -27,18 +27,19 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    ready(args.html, args.json)
+    files = [Path(each) for each in (args.a, args.b)]
+    files = [each / "diagnosis.json" if each.is_dir() else each for each in files]
+    ready(args.html, args.json, inputs=files)
 
     from tp_jax.report import comparison
     from tp_jax.results.diagnosis import DiagnosisRecord
 
-    files = [Path(each) for each in (args.a, args.b)]
-    a, b = (DiagnosisRecord.from_json(f / "diagnosis.json" if f.is_dir() else f) for f in files)
+    a, b = map(DiagnosisRecord.from_json, files)
     if args.json is not None:
         write_json(args.json, comparison.compared(a, b))
     if args.html is not None:
         write_text(args.html, comparison.page(a, b))
-    if args.json != "-" and not args.quiet:
+    if args.json != "-":
         print(comparison.text(a, b), end="")
-        if args.html is not None:
+        if args.html is not None and not args.quiet:
             print(f"Wrote {args.html}")

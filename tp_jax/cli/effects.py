@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> None:
     chosen = effects if args.id is None else {args.id: effects[args.id]}
     if args.json is not None:
         write_json(args.json, {name: told(effect) for name, effect in chosen.items()})
-    if args.json == "-" or args.quiet:
+    if args.json == "-":
         return
     if args.id is None:
         width = max(map(len, effects))

@@ -17,12 +17,13 @@ from typing import Any
 from tp_jax._files import bytes_of
 from tp_jax._version import __version__
 from tp_jax.cli.arguments import executor_of, load
-from tp_jax.cli.diagnosed import FITS, REPORT, SCREEN, default_folder, diagnosed
-from tp_jax.cli.output import forget, made_folder, ready, write_json, write_text
+from tp_jax.cli.diagnosed import FITS, REPORT, RESULT, SCREEN, default_folder, diagnosed
+from tp_jax.cli.output import as_text, forget, made_folder, ready, write_json, write_text
 from tp_jax.errors import InputError, Notice
 from tp_jax.executors import Ended, Piece, done_before, forget_pieces, run_pieces
 from tp_jax.executors.pieces import FOLDER as PIECES
 from tp_jax.executors.slurm_jobs import LOGS
+from tp_jax.schemas.recording import metadata_path
 
 TABLE, CSV, PARQUET, PAGE = "fleet.json", "fleet.csv", "fleet.parquet", "fleet.html"
 
@@ -76,7 +77,7 @@ def _inside(folder: str) -> list[Path]:
 
 def fleet_name(given: Sequence[str]) -> str:
     """Names a fleet by the folder that holds the campaigns, if one was given."""
-    return _text(Path(os.path.abspath(given[0])).name) or NAME if len(given) == 1 else NAME
+    return as_text(Path(os.path.abspath(given[0])).name) or NAME if len(given) == 1 else NAME
 
 
 def names_of(campaigns: Sequence[Path]) -> list[str]:
@@ -160,6 +161,8 @@ def run(args: argparse.Namespace, campaigns: Sequence[Path]) -> int:
         for each, campaign in zip(names_of(campaigns), campaigns, strict=True)
     ]
     pieces = [Piece(rig.name, (rig,), _of(rig)) for rig in rigs]
+    gone = [p for p, rig in zip(pieces, rigs, strict=True) if not (rig.folder / RESULT).is_file()]
+    forget_pieces(folder, gone)  # a row whose diagnosis was taken away leads nowhere
     if not args.resume:
         forget_pieces(folder, pieces)
         for rig in rigs:
@@ -243,12 +246,7 @@ def _row(ended: Ended) -> dict[str, Any]:
     from tp_jax.report.fleet.rows import failed
 
     row = ended.result if ended.fault is None else failed(ended.piece.key, _sentence(ended))
-    return {name: _text(each) if isinstance(each, str) else each for name, each in row.items()}
-
-
-def _text(text: str) -> str:
-    """The text as files can hold it: names of files may be no text."""
-    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+    return {name: as_text(each) if isinstance(each, str) else each for name, each in row.items()}
 
 
 def _sentence(ended: Ended) -> str:
@@ -282,7 +280,11 @@ def _of(rig: Rig) -> str:
     )
     digest = hashlib.sha256(repr(options).encode())
     toml = rig.campaign / "campaign.toml" if os.path.isdir(rig.campaign) else rig.campaign
-    for file in [toml, *_listed(toml)]:
+    files = [toml]
+    for file in _listed(toml):
+        beside = metadata_path(file)  # its sensors' calibration, and when it was started
+        files += [file, beside] if beside.exists() else [file]
+    for file in files:
         digest.update(os.fsencode(file.name) + b"\0")
         try:
             digest.update(hashlib.sha256(bytes_of(file)).digest())

@@ -1,6 +1,7 @@
 """tp-jax init: a campaign.toml from a folder of data files, to be corrected."""
 
 import argparse
+import shlex
 import warnings
 from pathlib import Path
 
@@ -41,4 +42,5 @@ def run(args: argparse.Namespace) -> None:
     write_text(target, text)
     if not args.quiet:
         print(text, end="")
-        print(f"Wrote {target}. Read and correct it, then run: tp-jax check {args.folder}")
+        then = f"tp-jax check {shlex.quote(args.folder)}"
+        print(f"Wrote {target}. Read and correct it, then run: {then}")

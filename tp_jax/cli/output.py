@@ -5,7 +5,7 @@ import os
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from tp_jax.simulation.solve import Trajectory
 
 STANDARD_OUTPUT = "-"
+CAMPAIGN = "campaign.toml"
 
 
 @contextmanager
@@ -65,14 +66,19 @@ def new_folder(name: str) -> Path:
     return made_folder(path)
 
 
-def ready(*targets: str | Path | None, overwrite: bool | None = None) -> None:
+def ready(
+    *targets: str | Path | None,
+    overwrite: bool | None = None,
+    inputs: Sequence[str | Path] = (),
+) -> None:
     """Sees before the work that its results can be written; None and `-` always can.
 
-    What was derived is replaced, a recording is not: nobody can make it anew.
+    What was derived is replaced, a recording or a campaign.toml is not: nobody can make it anew.
 
     Args:
         targets: files to be written.
         overwrite: whether a recording may be replaced; None: the command has no such option.
+        inputs: files that the command reads, which it never replaces.
 
     Raises:
         InputError: which cannot, and why.
@@ -87,6 +93,12 @@ def ready(*targets: str | Path | None, overwrite: bool | None = None) -> None:
                 option = "" if overwrite is None else ", or add --overwrite to replace it"
                 raise InputError(
                     f"{shortened(target)} is a recording; choose another name{option}."
+                )
+            read = [Path(os.path.realpath(each)) for each in inputs]
+            if path in read or (path.name == CAMPAIGN and path.exists()):
+                raise InputError(
+                    f"The result would replace {shortened(target)}, which cannot be made anew; "
+                    "choose another name."
                 )
         except InputError:
             raise
@@ -104,7 +116,7 @@ def is_recording(path: Path) -> bool:
     if not path.is_file():
         return False
     try:
-        top = tomllib.loads((path.parent / "campaign.toml").read_text(encoding="utf-8-sig"))
+        top = tomllib.loads((path.parent / CAMPAIGN).read_text(encoding="utf-8-sig"))
         files = [str(each["file"]) for each in top["recording"]]
     except (OSError, ValueError, LookupError, TypeError):  # no campaign, or none that can be read
         return False
@@ -139,12 +151,17 @@ def forget(file: Path) -> None:
 
 def write_text(target: str | Path, text: str) -> None:
     with replaced(target) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(as_text(text), encoding="utf-8")
+
+
+def as_text(text: str) -> str:
+    """The text as files can hold it: names of files may be no text."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def write_json(target: str | Path, result: Mapping[str, Any]) -> None:
     """Writes to a file, or to standard output where the target is `-`."""
-    text = json_text(result)
+    text = as_text(json_text(result))  # a byte that is no text becomes an escape of JSON's own
     if str(target) == STANDARD_OUTPUT:
         sys.stdout.write(text)
     else:

@@ -151,7 +151,7 @@ def run_record(args: argparse.Namespace) -> None:
     if unfit is not None:
         said.append(f"Not added to the campaign {folder}: {unfit}")
     if recorded.state == "interrupted":
-        if said and not args.quiet:
+        if said:
             print(said[0], file=sys.stderr if args.json == "-" else sys.stdout)
         raise KeyboardInterrupt
     if said:

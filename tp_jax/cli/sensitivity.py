@@ -16,7 +16,7 @@ from tp_jax.cli.arguments import (
     number,
     whole,
 )
-from tp_jax.cli.output import made_folder, plain, ready, write_json
+from tp_jax.cli.output import made_folder, ready, write_json
 
 MODELS = ("newton", "paper")
 MOST_SPREAD = 100.0
@@ -106,7 +106,7 @@ def run(args: argparse.Namespace) -> None:
     from tp_jax.cli.progress import shown
 
     if args.out is not None:
-        made_folder(args.out)
+        ready(made_folder(args.out) / "sobol.png")
     enable_compilation_cache()
     chosen = {"spread": args.spread, "samples": args.samples}
     chosen = {name: value for name, value in chosen.items() if value is not None}
@@ -120,15 +120,14 @@ def run(args: argparse.Namespace) -> None:
             progress=progress,
             **chosen,
         )
-        result = plain(found.to_dict())
+        if args.json is not None:
+            write_json(args.json, found.to_dict())
         written = []
         if args.out is not None:
             from tp_jax.report.sensitivity import write_figures
 
             progress("drawing", None)
             written = write_figures(found, args.out)
-    if args.json is not None:
-        write_json(args.json, result)
     if args.json != "-" and not args.quiet:
         print(found.summary())
         if written:

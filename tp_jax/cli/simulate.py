@@ -7,7 +7,7 @@ from tp_jax.cli.arguments import (
     add_common,
     add_overwrite,
     angle,
-    file_name,
+    figure_name,
     fixed,
     named,
     positive,
@@ -63,7 +63,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument("--out", metavar="FILE.csv", help="default: standard output")
     add_overwrite(parser)
     parser.add_argument(
-        "--plot", metavar="FILE.png", type=file_name, help="draw angles and relative velocity"
+        "--plot",
+        metavar="FILE.png",
+        type=figure_name,
+        help="draw angles and relative velocity; also .svg",
     )
     add_common(parser)
     parser.set_defaults(run=run)
@@ -72,6 +75,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def run(args: argparse.Namespace) -> None:
     samples = sample_count(args.duration, args.rate)
     numbers = _numbers(args)
+    driven = [name for name in ("A", "omega", "phase") if name in numbers]
+    if args.phi1 is not None and driven:
+        raise InputError(
+            f"Argument --set gives {driven[0]}, of the drive, but --phi1 lets the column go with "
+            "the motor at rest; leave one of them out."
+        )
     ready(args.out, args.plot, overwrite=args.overwrite)
 
     import numpy as np

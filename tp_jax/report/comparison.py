@@ -1,14 +1,32 @@
-"""Two diagnoses side by side: before and after a repair, or two rigs."""
+"""Two diagnoses side by side: before and after a repair, or two rigs.
 
+Without the column's inertia B1 all torques of a diagnosis are in units of it. Where one of two
+has none, torques and inertias of both are compared per B1.
+"""
+
+import dataclasses
 import html
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 from tp_jax.report import words
-from tp_jax.report.formatting import MISSING, angle, bounds, finite, number, percent
+from tp_jax.report.formatting import (
+    MISSING,
+    angle,
+    bounds,
+    finite,
+    number,
+    percent,
+    probability,
+    size,
+)
+from tp_jax.report.verdict import sizes
 from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Size
 
 Row = tuple[str, str, str]
+
+TORQUES = ("N m", "kg m^2")
+"""Beginnings of the units that are in proportion to B1."""
 
 
 def compared(a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
@@ -19,6 +37,7 @@ def compared(a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
     """
     effects = _union(_named(a), _named(b))
     parameters = _union(a.parameters, b.parameters)
+    inertias = [_inertia(each) for each in (a, b)]
     return {
         "schema": "tp-jax/compare/1",
         "campaigns": [each.campaign for each in (a, b)],
@@ -30,7 +49,11 @@ def compared(a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
         },
         "noise_floor": [each.floor for each in (a, b)],
         "causes": {name: [_cause_of(each, name) for each in (a, b)] for name in effects},
-        "parameters": {name: _parameter(name, a, b) for name in parameters},
+        "B1": [None if each == 1.0 else each for each in inertias],
+        "parameters": {
+            name: _parameter(name, [each.parameters.get(name, Size()) for each in (a, b)], inertias)
+            for name in parameters
+        },
     }
 
 
@@ -39,7 +62,7 @@ def rows(a: DiagnosisRecord, b: DiagnosisRecord) -> list[Row]:
     both = (a, b)
     lines: list[Row] = [
         _row("campaign", [each.campaign or MISSING for each in both]),
-        _row("verdict", [each.verdict or "unknown" for each in both]),
+        _row("verdict", [each.verdict or MISSING for each in both]),
         _row("first cause", [next(iter(_named(each)), MISSING) for each in both]),
         _row("gap gone", [percent(each.gap.shrink) for each in both]),
     ]
@@ -48,13 +71,22 @@ def rows(a: DiagnosisRecord, b: DiagnosisRecord) -> list[Row]:
             sizes = [getattr(getattr(each.gap, state), kind) for each in both]
             lines.append(_row(f"gap {name}, {told}", [angle(x) for x in sizes]))
     lines.append(_row("noise floor", [angle(each.floor) for each in both]))
+    inertias = [_inertia(each) for each in both]
+    shared = _per_inertia(inertias)
     for name in _union(_named(a), _named(b)):
-        lines.append(_row(f"cause {name}", [_cause(_named(each).get(name)) for each in both]))
+        causes = [_named(each).get(name) for each in both]
+        told = [_cause(c, B1 if shared else None) for c, B1 in zip(causes, inertias, strict=True)]
+        lines.append(_row(f"cause {name}", told))
+    told = [MISSING if B1 is None else _inertia_told(B1) for B1 in inertias]
+    lines.append(_row("B1, as it was given", told))
     for name in _union(a.parameters, b.parameters):
-        cells = [_value(each.parameters.get(name, Size())) for each in both]
-        found = _parameter(name, a, b)
-        moved = " *" if found["differs"] else ""
-        lines.append(_row(f"{name}{moved}", cells))
+        each = [one.parameters.get(name, Size()) for one in both]
+        moved = " *" if _parameter(name, each, inertias)["differs"] else ""
+        if shared:
+            each = [_scaled(one, B1) for one, B1 in zip(each, inertias, strict=True)]
+        lines.append(
+            _row(f"{name}{moved}", [size(one.value, one.unit, one.ci95, "") for one in each])
+        )
     return lines
 
 
@@ -101,25 +133,53 @@ def _cause_of(diagnosis: DiagnosisRecord, name: str) -> dict[str, Any] | None:
     return None if cause is None else cause.to_dict()
 
 
-def _cause(cause: Cause | None) -> str:
+def _cause(cause: Cause | None, B1: float | None) -> str:
+    """Probability and sizes of a cause; B1: its diagnosis' own, where it is compared per B1."""
     if cause is None:
         return "not found"
-    told = [f"{name} {_value(size)}" for name, size in cause.parameters.items()]
-    return ", ".join([percent(cause.probability), *told])
+    if B1 is not None:
+        parameters = {name: _scaled(each, B1) for name, each in cause.parameters.items()}
+        cause = dataclasses.replace(cause, parameters=parameters)
+        curve = cause.curve
+        if curve is not None and curve.y_unit.startswith(TORQUES):
+            y = tuple(each / B1 for each in curve.y)
+            curve = dataclasses.replace(curve, y=y, y_unit=f"{curve.y_unit}/B1")
+            cause = dataclasses.replace(cause, curve=curve)
+    return ", ".join([probability(cause.probability), *sizes(cause, "")])
 
 
-def _value(size: Size) -> str:
-    value, ends = finite(size.value), bounds(size.ci95)
-    if value is None:
-        return MISSING
-    interval = f" ({number(ends[0])} to {number(ends[1])})" if ends else ""
-    return f"{number(value)}{interval}" + (f" {size.unit}" if size.unit not in ("", "1") else "")
+def _inertia(diagnosis: DiagnosisRecord) -> float | None:
+    """B1 [kg m^2]; 1 where it was not given, None where the file does not say."""
+    if diagnosis.fits is None:
+        return None
+    return diagnosis.fits.before.parameters.get("B1")
 
 
-def _parameter(name: str, a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
-    first, second = (each.parameters.get(name, Size()) for each in (a, b))
-    one, other = (bounds(each.ci95) for each in (first, second))
-    apart = bool(one and other and (one[1] < other[0] or other[1] < one[0]))
+def _inertia_told(B1: float) -> str:
+    return "not given, torques are per B1" if B1 == 1.0 else f"{number(B1, 7)} kg m^2"
+
+
+def _per_inertia(inertias: Sequence[float | None]) -> bool:
+    """True where one of two diagnoses was given no B1, and the other was."""
+    return None not in inertias and 1.0 in inertias and inertias[0] != inertias[1]
+
+
+def _scaled(of: Size, B1: float | None) -> Size:
+    """A torque or an inertia per B1; anything else as it is."""
+    value, ends = finite(of.value), bounds(of.ci95)
+    if B1 is None or value is None or not of.unit.startswith(TORQUES):
+        return of
+    ci95 = None if ends is None else (ends[0] / B1, ends[1] / B1)
+    return dataclasses.replace(of, value=value / B1, ci95=ci95, unit=f"{of.unit}/B1")
+
+
+def _parameter(name: str, of: Sequence[Size], inertias: Sequence[float | None]) -> dict[str, Any]:
+    first, second = of
+    one, other = (bounds(each.ci95) for each in of)
+    ends = [one, other]
+    if _per_inertia(inertias):
+        ends = [bounds(_scaled(s, B1).ci95) for s, B1 in zip(of, inertias, strict=True)]
+    apart = bool(ends[0] and ends[1] and (ends[0][1] < ends[1][0] or ends[1][1] < ends[0][0]))
     return {
         "values": [finite(each.value) for each in (first, second)],
         "unit": first.unit or second.unit,

@@ -110,6 +110,21 @@ def estimate(value: Any, ci95: Any) -> tuple[str, str]:
     return said[0], f"{said[1]} to {said[2]}"
 
 
+def size(value: Any, of: Any, ci95: Any, says: str = "95 % interval ") -> str:
+    """`0.580 N m (95 % interval 0.550 to 0.610)`; the range of several, one for each recording.
+
+    says: before the interval.
+    """
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        known = [x for x in map(finite, value) if x is not None]
+        if not known:
+            return MISSING
+        ends = f"{number(min(known))} to {number(max(known))} {unit(of)}".rstrip()
+        return f"{ends} over {len(known)} recordings"
+    told, interval = estimate(value, ci95)
+    return f"{told} {unit(of)}".rstrip() + (f" ({says}{interval})" if interval else "")
+
+
 def percents(ci95: Any) -> str:
     """`96 % to 99 %`, or nothing."""
     ends = bounds(ci95)

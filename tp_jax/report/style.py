@@ -111,7 +111,9 @@ def dots(axes: "Axes", t: Any, y: Any, *, color: str, size: float, label: str = 
 
 def title(axes: "Axes", text: str) -> None:
     """A short title at the left."""
-    axes.set_title(text, loc="left", fontsize=FONT_SIZE + 0.5, color=INK, fontweight="bold")
+    # a name of a file may hold dollar signs, which are no mathematics
+    font: dict[str, Any] = {"fontsize": FONT_SIZE + 0.5, "fontweight": "bold"}
+    axes.set_title(text, loc="left", color=INK, parse_math=False, **font)
 
 
 def legend(figure: "Figure", *axes: "Axes") -> float:

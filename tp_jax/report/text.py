@@ -59,7 +59,7 @@ def _gap(diagnosis: DiagnosisRecord) -> list[str]:
 def _causes(diagnosis: DiagnosisRecord) -> list[str]:
     body = []
     for cause in diagnosis.accepted[:_MOST_CAUSES]:
-        sizes = [size.replace("95 % interval ", "95 %: ") for size in verdict.sizes(cause)]
+        sizes = verdict.sizes(cause, "95 %: ")
         more = f", and {len(sizes) - 2} more" if len(sizes) > 2 else ""
         numbers = [probability(cause.probability), percent(cause.shrink)]
         body.append([cause.effect, *numbers, ", ".join(sizes[:2]) + more])

@@ -12,7 +12,7 @@ _WIDTH, _HEIGHT = 8.0, 5.0
 
 
 def plot_trajectory(trajectory: "Trajectory", path: str | Path, title: str = "") -> None:
-    """Draws the angles above and the rider's velocity against the column below, into a PNG.
+    """Draws the angles above and the rider's velocity against the column below, into a PNG or SVG.
 
     A single torsion pendulum has no rider: the column's own velocity stands below.
     """
@@ -37,4 +37,5 @@ def plot_trajectory(trajectory: "Trajectory", path: str | Path, title: str = "")
         axes.margins(x=0.0)
     if title:
         style.title(angles, title)
-    figure.savefig(path, format="png", dpi=style.PIXELS, facecolor="white")
+    kind = "svg" if Path(path).suffix.lower() == ".svg" else "png"
+    figure.savefig(path, format=kind, dpi=style.PIXELS, facecolor="white")

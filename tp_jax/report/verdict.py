@@ -8,12 +8,12 @@ from tp_jax.report import words
 from tp_jax.report.formatting import (
     angle,
     angles,
-    estimate,
     number,
     p_value,
     percent,
     percents,
     probability,
+    size,
     unit,
 )
 from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Found
@@ -94,7 +94,8 @@ def sentences(found: Found) -> Verdict:
     if kind == "unknown" and causes:
         heading = "The gap is explained only in part"
         if _nothing_left(diagnosis):
-            heading = "A cause was found, but not for certain how far the gap shrinks"
+            found = "A cause was" if len(causes) == 1 else "Causes were"
+            heading = f"{found} found, but not for certain"
     return Verdict(
         heading,
         _where(diagnosis),
@@ -209,10 +210,10 @@ def _no_gap(diagnosis: DiagnosisRecord) -> str:
     p, limit = diagnosis.gap.structure_p, diagnosis.gap.tolerance
     test = f" (test of structure: {p_value(p)})" if p is not None else ""
     if _has_structure(p, _ALARM):  # the verdict is by the tolerance then
-        size = f" of {angle(limit)}" if limit else ""
+        given = f" of {angle(limit)}" if limit else ""
         return (
-            f"What the fitted model leaves has structure{test}, but its error is below the "
-            f"tolerance{size}."
+            f"What the fitted model leaves has structure{test}, but its error beyond the noise is "
+            f"below the tolerance{given}."
         )
     return f"What the fitted model leaves of the recordings looks like noise{test}."
 
@@ -234,9 +235,9 @@ def _error(diagnosis: DiagnosisRecord) -> str:
             continue
         begin, end, noise = angles([first, last, diagnosis.floor])
         change = last is not None and diagnosis.accepted
-        size = f"goes from {begin} to {end}" if change else f"is {begin}"
+        told = f"goes from {begin} to {end}" if change else f"is {begin}"
         rest = "" if diagnosis.floor is None else f"; the noise is {noise}"
-        return f"The error {kind} over data never fitted {size}{rest}."
+        return f"The error {kind} over data never fitted {told}{rest}."
     return ""
 
 
@@ -260,10 +261,12 @@ def _left(diagnosis: DiagnosisRecord) -> str:
     return f"What is left still has structure ({p_value(p)}): something {small}is missing yet."
 
 
-def sizes(cause: Cause) -> list[str]:
+def sizes(cause: Cause, says: str = "95 % interval ") -> list[str]:
     """The parameters of a cause, as `strength 0.580 (95 % interval 0.550 to 0.610)`.
 
     Of a learned law its curve: twelve coefficients tell nobody anything.
+
+    says: before an interval.
     """
     if cause.curve is not None and cause.curve.y:
         low, high = min(cause.curve.y), max(cause.curve.y)
@@ -271,9 +274,7 @@ def sizes(cause: Cause) -> list[str]:
         return [*said, f"as {cause.formula}"] if cause.formula else said
     said = []
     for name, given in cause.parameters.items():
-        size, interval = estimate(given.value, given.ci95)
-        interval = f" (95 % interval {interval})" if interval else ""
-        said.append(f"{name} {size} {unit(given.unit)}".rstrip() + interval)
+        said.append(f"{name} {size(given.value, given.unit, given.ci95, says)}")
     return said
 
 

@@ -57,7 +57,9 @@ def row(rig: str, found: Found, report: str = "") -> dict[str, Any]:
     # the place of what causes the gap; where nothing is named, of most of the gap
     place = first.location or (diagnosis.where[0].location if diagnosis.where else "")
     channels = [each.channel for each in diagnosis.where if each.location == place]
-    parameter, size = next(iter(first.parameters.items()), ("", Size()))
+    # the first of twelve coefficients is no size of a learned curve
+    parameters = {} if first.curve is not None else first.parameters
+    parameter, size = next(iter(parameters.items()), ("", Size()))
     low, high = bounds(size.ci95) or (None, None)
     shrink = bounds(gap.shrink_ci95) or (None, None)
     return {

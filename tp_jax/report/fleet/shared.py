@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from tp_jax.report import words
-from tp_jax.report.formatting import MISSING, estimate, number, p_value, percent, unit
+from tp_jax.report.formatting import MISSING, number, p_value, percent, size
 
 KIND_HEAD, OWN_HEAD = "The kind's effects", "A rig's own"
 
@@ -122,9 +122,6 @@ def _names(rigs: Sequence[str], noun: str) -> str:
 def _sizes(one: Mapping[str, Any]) -> str:
     said = []
     for name, each in one["amplitudes"].items():
-        value, interval = estimate(each["value"], each["ci95"])
-        of = unit(each["unit"])
-        within = f" ({interval})" if interval else ""
-        said.append(f"{name} {value} {of}".rstrip() + within)
+        said.append(f"{name} {size(each['value'], each['unit'], each['ci95'], '')}")
     shapes = [f"{name} {number(value)}" for name, value in one["shapes"].items()]
     return words.listed(said) + (f" at {words.listed(shapes)}" if shapes else "") or MISSING
