@@ -2,15 +2,18 @@
 
     python -m pytest -p tests.typechecker
 
-An integer stands for a float where one is asked for, as PEP 484 has it. Tests marked `unchecked`
+An integer stands for a float where one is asked for, as PEP 484 has it, and NumPy's integers and
+booleans, as an index or a comparison of arrays gives them, for Python's. Tests marked `unchecked`
 give what no annotation allows, to see the package's own error, and are skipped.
 """
 
+import numpy as np
 import pytest
-from beartype import BeartypeConf, beartype
+from beartype import BeartypeConf, FrozenDict, beartype
 from jaxtyping import install_import_hook
 
-checked = beartype(conf=BeartypeConf(is_pep484_tower=True))
+OWN = FrozenDict({int: int | np.integer, bool: bool | np.bool_})
+checked = beartype(conf=BeartypeConf(is_pep484_tower=True, hint_overrides=OWN))
 install_import_hook("tp_jax", "tests.typechecker.checked")
 
 

@@ -128,9 +128,9 @@ def test_a_run_that_goes_further_than_all_others_is_not_held_out(found, monkeypa
     monkeypatch.setattr(visited, "POLICY", dataclasses.replace(POLICY, learning=learning))
 
     def held(*which):
-        recordings = [
+        recordings = tuple(
             dataclasses.replace(r, held_out=i in which) for i, r in enumerate(setting.recordings)
-        ]
+        )
         return dataclasses.replace(setting, recordings=recordings)
 
     swings = [np.ptp(r.phi1) for r in setting.recordings]

@@ -43,7 +43,7 @@ class Moves:
     unknowns: tuple[Unknown, ...]
     steps: np.ndarray
 
-    def values(self, fit: Fit, group: int | np.integer) -> Values:
+    def values(self, fit: Fit, group: int) -> Values:
         """The numbers of a fit with the unknowns moved, kept within their bounds."""
         x = []
         for u, dx in zip(self.unknowns, self.steps[group], strict=True):

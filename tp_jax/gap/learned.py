@@ -326,7 +326,7 @@ def _refitted(setting: PreparedCampaign, base: Refit, s: Scored, known: Refit | 
     return polish(setting, trial)
 
 
-def _nothing_left(fit: Fit) -> bool | np.bool:
+def _nothing_left(fit: Fit) -> bool:
     """True where a fit leaves no more than chance leaves of noise."""
     return removable(fit) < POLICY.learning.chance * np.sqrt(2.0 * fit.dof)
 

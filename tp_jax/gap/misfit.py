@@ -30,7 +30,7 @@ def excess(setting: PreparedCampaign, fit: Fit, least: Floor | None = None) -> f
     return float((fit.chi2_dof - expected - parts.sum()) / error)
 
 
-def misfits(setting: PreparedCampaign, fit: Fit) -> bool | np.bool:
+def misfits(setting: PreparedCampaign, fit: Fit) -> bool:
     """True where a fit leaves more than noise by the tests that ask for no effect."""
     p = combined(1.0, free_structure(setting, fit).p, excess(setting, fit))
     return p < POLICY.structure.level

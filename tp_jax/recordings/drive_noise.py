@@ -221,7 +221,7 @@ def _is_noise(
     error: float,
     omega: float,
     policy: DrivePolicy,
-) -> bool | np.bool:
+) -> bool:
     """True where no more than noise is left, white where the column would answer."""
     n = left.size
     excess = float((left**2).sum()) / max(n - numbers, 1) / level**2 - 1.0

@@ -159,7 +159,7 @@ def part_of(rig: RigScores, place: int, sizes: Mapping[Key, int], owns: Sequence
     )
 
 
-def _alike(rig: RigScores, one: ScoredVariant, own: ScoredVariant | None) -> bool | np.bool:
+def _alike(rig: RigScores, one: ScoredVariant, own: ScoredVariant | None) -> bool:
     """True where a rig's own cause may be the effect under another name."""
     if own is None:
         return False
