@@ -110,3 +110,23 @@ def test_json_never_holds_what_json_does_not_know(value):
         raise AssertionError(constant)
 
     json.loads(json_text({"x": value}), parse_constant=refuse)
+
+
+def test_no_result_replaces_what_is_read(tmp_path):
+    """Nor a campaign.toml, whoever reads it."""
+    read, link = tmp_path / "cal.csv", tmp_path / "link.csv"
+    read.write_text("phi1,V\n")
+    link.symlink_to(read)
+    campaign = tmp_path / "campaign.toml"
+    campaign.write_text("")
+    for target, inputs in ((read, [read]), (link, [read]), (read, [link]), (campaign, [])):
+        with pytest.raises(InputError, match="would replace"):
+            ready(target, inputs=inputs)
+    ready(tmp_path / "new.json", inputs=[read])
+
+
+def test_a_name_that_is_no_text_can_be_written(tmp_path):
+    """As of a file that was named on another system."""
+    name = os.fsdecode(b"lauf\xe4.csv")
+    write_json(tmp_path / "a.json", {"file": name})
+    assert json.loads((tmp_path / "a.json").read_text())["file"] == name

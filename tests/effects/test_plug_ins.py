@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from tests.standing_in import standing_in
 from tp_jax import effects
 from tp_jax.effects import registry
 from tp_jax.effects.base import Amplitude, Effect
@@ -36,7 +37,7 @@ class NoEffect:
 
 def entry(name, load):
     dist = SimpleNamespace(name="their-package")
-    return SimpleNamespace(name=name, value=f"theirs:{name}", dist=dist, load=load)
+    return standing_in(metadata.EntryPoint, name=name, value=f"theirs:{name}", dist=dist, load=load)
 
 
 def raising(fault):

@@ -113,7 +113,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run_explore(args: argparse.Namespace) -> None:
     if args.port != EMULATOR:
-        check_no_rig(args)
+        check_no_rig(args, used=["seed"])  # of the diagnoses
     if args.no_release and args.omega is None:
         raise InputError(
             "Argument --no-release needs --omega MIN:MAX, of which MIN is driven first."

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -272,12 +272,15 @@ def _port(args: argparse.Namespace) -> Iterator[str]:
                 stream.close()
 
 
-def check_no_rig(args: argparse.Namespace) -> None:
-    """Refuses arguments of the virtual rig where a real one is recorded: it would not be so."""
+def check_no_rig(args: argparse.Namespace, used: Sequence[str] = ()) -> None:
+    """Refuses arguments of the virtual rig where a real one is recorded: it would not be so.
+
+    used: names of those that the command uses itself.
+    """
     parser = argparse.ArgumentParser()
     add_rig(parser)
     for name, usual in vars(parser.parse_args([])).items():
-        if getattr(args, name) != usual:
+        if name not in used and getattr(args, name) != usual:
             option = f"--{name.replace('_', '-')}"
             raise InputError(
                 f"Argument {option} is for the virtual rig, --port {EMULATOR}; leave it out for "

@@ -61,8 +61,8 @@ def write_report(
     target = Path(os.path.realpath(path))
     with replaced(target) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
-    if figures and target.is_file():  # none beside /dev/null
-        write_figures(drawn.every(), target.parent / FOLDER)
+    if target.is_file():  # none beside /dev/null; those of an earlier report would contradict it
+        write_figures(drawn.every() if figures else [], target.parent / FOLDER)
 
 
 def render(found: Found, *, day: date | None = None) -> str:
