@@ -168,7 +168,10 @@ def test_any_pair_is_a_value_and_its_deviation(pair):
     assert campaign.B2 == Known(0.3)
 
 
-@pytest.mark.parametrize("given", [[0.4], [0.4, 0.1, 0.2], [[0.4, 0.1]], "stiff", {"value": 1.0}])
+NO_TYPE = pytest.param({"value": 1.0}, marks=pytest.mark.unchecked)
+
+
+@pytest.mark.parametrize("given", [[0.4], [0.4, 0.1, 0.2], [[0.4, 0.1]], "stiff", NO_TYPE])
 def test_what_is_no_pair_is_refused(given):
     runs = [Recording.from_arrays(T, A, B, omega=OMEGA)]
     with pytest.raises(InputError, match=r"Argument k must be a number or a pair"):

@@ -33,8 +33,8 @@ def amplitude_of(folder: Path, asked: float | None, announced: float | None) -> 
         for entry in entries_of(folder)
         if entry.forced and (amplitude := _driven_at(metadata_of(entry.file))) is not None
     ]
-    for name, amplitude in driven if asked is not None else ():
-        if abs(amplitude - asked) > SAME:
+    for name, amplitude in driven:
+        if asked is not None and abs(amplitude - asked) > SAME:
             raise InputError(
                 f"{name} was driven at {amplitude:.6g} rad, and a campaign has one amplitude; give "
                 f"--amplitude {amplitude:.6g}, or another --campaign."

@@ -110,8 +110,8 @@ def campaign_fields(
     *,
     name: str = "campaign",
     B1: float | None = None,
-    B2: ArrayLike | None = None,
-    k: ArrayLike | None = None,
+    B2: ArrayLike | Sequence[float] | None = None,
+    k: ArrayLike | Sequence[float] | None = None,
     model: Model | None = None,
 ) -> dict[str, Any]:
     """The fields of a `Campaign`, checked; arguments as of `Campaign.from_arrays`.
@@ -177,7 +177,7 @@ def _factor(argument: str, unit: str, table: Mapping[str, float]) -> float:
     return table[name]
 
 
-def _known(argument: str, value: ArrayLike | None) -> Known | None:
+def _known(argument: str, value: ArrayLike | Sequence[float] | None) -> Known | None:
     """A number that is fixed, or a pair of any kind, (value, standard deviation)."""
     if value is None:
         return None
