@@ -94,8 +94,8 @@ def sentences(found: Found) -> Verdict:
     if kind == "unknown" and causes:
         heading = "The gap is explained only in part"
         if _nothing_left(diagnosis):
-            found = "A cause was" if len(causes) == 1 else "Causes were"
-            heading = f"{found} found, but not for certain"
+            named = "A cause was" if len(causes) == 1 else "Causes were"
+            heading = f"{named} found, but not for certain"
     return Verdict(
         heading,
         _where(diagnosis),
