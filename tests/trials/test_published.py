@@ -32,11 +32,12 @@ def tables() -> list[str]:
 
 
 def pooled(rigs: str) -> dict:
-    """Score of the version that docs/blind_trial.md names."""
+    """Score of the version, or of the versions together, that docs/blind_trial.md names."""
     text = (ROOT / "docs" / "blind_trial.md").read_text(encoding="utf-8")
-    (version,) = set(re.findall(r"--score --version ([0-9a-f]{12})", text))
+    asked = rf"pool pool-{rigs} --score --version ([0-9a-f]{{12}}(?:,[0-9a-f]{{12}})*)"
+    (versions,) = set(re.findall(asked, text))
     rows = ledger.read(ledger.POOLS / f"pool-{rigs}.jsonl")
-    mine = [row for row in rows if row.version == version]
+    mine = [row for row in rows if row.version in versions.split(",")]
     return {"cases": len(mine), **summary([ledger.judged_of(row) for row in mine])}
 
 
