@@ -13,6 +13,7 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
+from scripts._version import computed
 from tp_jax.cli.arguments import Parser, add_executor, executor_of, positive
 from tp_jax.errors import InputError
 from tp_jax.executors import ExecutorChoice, Piece, run_pieces
@@ -31,6 +32,9 @@ SHARED = ROOT.parent / "shared"
 BESIDE = ("examples", "data/rough", "data/furuta", "data/multiarm", "data/pohl_wheel")
 """Campaigns that may lie beside the repository: of another simulator, and of real rigs. They are
 looked at too where they are there."""
+
+DIGITS = 12
+"""Hexadecimal digits of a version."""
 
 SAME_SHRINK = 0.01
 """A shrink is as it was within this."""
@@ -82,8 +86,8 @@ def _parser() -> Parser:
     )
     parser.add_argument(
         "--name",
-        default="now",
-        help="of this version; what it has diagnosed already is not done again (default now)",
+        help="of this version; what it has diagnosed already is not done again (default: the digest "
+        "of what the package computes)",
     )
     parser.add_argument("--afresh", action="store_true", help="forget what this name has diagnosed")
     parser.add_argument(
@@ -122,7 +126,7 @@ def _guard(args: Any) -> int:
     made = _made(folder, executor_of(args))
     rigs = {name: (folder / name.replace("-", "/", 1), hidden) for name, hidden in made.items()}
     beside = {} if args.made_only else _beside()
-    rows = folder / args.name
+    rows = folder / (args.name or computed()[:DIGITS])
     if args.afresh:
         for file in rows.glob("*.json"):
             file.unlink()

@@ -35,7 +35,7 @@ def test_a_changed_rig_is_a_fault(tmp_path, monkeypatch, capsys):
     made = {"clean-case-001": (), "rough-case-001": ("column_tilt",)}
     monkeypatch.setattr(guard, "_made", lambda folder, executor: made)
     monkeypatch.setattr(guard, "KEPT", tmp_path / "trials" / "guard.json")
-    now = tmp_path / "now"
+    now = tmp_path / guard.computed()[:12]  # rows of another program are none of this one's
     now.mkdir()
     for name in made:
         (now / f"{name}.json").write_text(json.dumps(guard.dataclasses.asdict(row())))
