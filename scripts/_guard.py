@@ -86,7 +86,7 @@ def _parser() -> Parser:
     )
     parser.add_argument(
         "--name",
-        help="of this version; what it has diagnosed already is not done again (default: the digest "
+        help="of this version; what it has diagnosed already is not done again (default: a digest "
         "of what the package computes)",
     )
     parser.add_argument("--afresh", action="store_true", help="forget what this name has diagnosed")
