@@ -14,7 +14,7 @@ import numpy as np
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._ledger import add_ledger, entries, extended
-from scripts._version import computed, unchanged
+from scripts._version import DIGITS, computed, unchanged
 from tp_jax.cli.arguments import Parser, count
 
 ROOT = Path(__file__).parent.parent
@@ -46,8 +46,6 @@ FAMILY = {
 remember, or have more periods than a curve of twelve coefficients follows, are not among them."""
 
 SEED = 38
-DIGITS = 12
-"""Hexadecimal digits of a version."""
 
 AS_GOOD = 0.95
 """Part of the shrink of the true law from which a learned one counts as good as it."""

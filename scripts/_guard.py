@@ -13,7 +13,7 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
-from scripts._version import computed
+from scripts._version import DIGITS, computed
 from tp_jax.cli.arguments import Parser, add_executor, executor_of, positive
 from tp_jax.errors import InputError
 from tp_jax.executors import ExecutorChoice, Piece, run_pieces
@@ -32,9 +32,6 @@ SHARED = ROOT.parent / "shared"
 BESIDE = ("examples", "data/rough", "data/furuta", "data/multiarm", "data/pohl_wheel")
 """Campaigns that may lie beside the repository: of another simulator, and of real rigs. They are
 looked at too where they are there."""
-
-DIGITS = 12
-"""Hexadecimal digits of a version."""
 
 SAME_SHRINK = 0.01
 """A shrink is as it was within this."""

@@ -14,6 +14,9 @@ from tp_jax.errors import InputError
 
 PACKAGE = Path(__file__).parent.parent / "tp_jax"
 
+DIGITS = 12
+"""Hexadecimal digits of a version that are written and shown."""
+
 APART = (
     "acquisition",
     "checks",

@@ -14,7 +14,7 @@ from typing import Any
 
 from scripts import _markdown as markdown
 from scripts._ledger import entries, extended
-from scripts._version import computed, unchanged
+from scripts._version import DIGITS, computed, unchanged
 from tp_jax.cli.arguments import add_executor, positive
 from tp_jax.errors import InputError
 
@@ -30,9 +30,6 @@ FIRST_GUESS = 180.0
 """Seconds that a rig is taken to need while the ledger holds none; most need less."""
 
 NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,39}")
-
-VERSION = 12
-"""Hexadecimal digits of a version that are written and shown."""
 
 HEADS = (
     "version",
@@ -217,10 +214,10 @@ def _version() -> tuple[str, str | None]:
 
     try:
         clean = git("status", "--porcelain", "--", "tp_jax", "trials/*.py") == ""
-        commit = git("rev-parse", f"--short={VERSION}", "HEAD") if clean else None
+        commit = git("rev-parse", f"--short={DIGITS}", "HEAD") if clean else None
     except OSError:  # no git here
         commit = None
-    return computed()[:VERSION], commit
+    return computed()[:DIGITS], commit
 
 
 def seed_of(name: str) -> int:

@@ -82,6 +82,17 @@ def test_a_decay_that_grows_is_told():
     assert [each.kind for each in examine(backwards).doubtful] == ["motion"]
 
 
+def test_a_column_that_is_held_at_first_moves_nothing_times_as_far():
+    def held(r):
+        late = r.t >= 4.0
+        later = {"phi1": np.where(late, r.phi1[np.maximum(np.arange(r.n) - late.argmax(), 0)], 0.6)}
+        return {} if r.forced else later
+
+    found = examine(changed(load_campaign(EXAMPLE), held)).doubtful
+    assert any("does not move in its first third" in each.wrong for each in found)
+    assert not any("inf" in each.wrong for each in found)
+
+
 def test_few_samples_are_told():
     def thinned(r):
         return {"t": r.t[::50], "phi1": r.phi1[::50], "phi2": r.phi2[::50]}

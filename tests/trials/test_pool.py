@@ -169,6 +169,6 @@ def test_a_rig_is_made_diagnosed_and_forgotten(tmp_path, monkeypatch):
     monkeypatch.setattr(run, "diagnose_case", quiet)
     monkeypatch.setattr(sealed_runs, "measured", lambda *_: {"shrink": None, "best": None})
     monkeypatch.setattr(harm, "measured_harm", lambda *_: harm.NOTHING)
-    row = pool.look("clean", 1, "demo", None, computed()[: pool.VERSION])
+    row = pool.look("clean", 1, "demo", None, computed()[: pool.DIGITS])
     assert (row.number, row.verdict, row.causes) == (1, "no_gap", [])
     assert not list((tmp_path / "demo").iterdir())

@@ -67,13 +67,15 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
         third = recording.n // 3
         first, last = np.std(recording.phi1[:third]), np.std(recording.phi1[-third:])
         if last > policy.growing * first and last > policy.signal * noise:
-            times = f"{last / first:.2g} times as far at its end as at its beginning"
+            still = not np.ptp(recording.phi1[:third])  # its deviation need not be quite zero
+            growth = np.inf if still else float(last / first)
+            moves = f"moves {growth:.2g} times as far at its end as at its beginning"
             doubt(
                 "motion",
                 "it is said to be a free decay, but "
-                + (f"moves {times}" if first else "does not move in its first third"),
+                + ("does not move in its first third" if still else moves),
                 "give omega and forced = true if the motor ran, or a span from the release on",
-                growth=float(last / first) if first else np.inf,
+                growth=growth,
             )
     for name, angle in recording.channels.items():
         times, end = stops(angle, clip)

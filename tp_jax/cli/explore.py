@@ -171,10 +171,8 @@ def run_explore(args: argparse.Namespace) -> None:
             diagnosed=tell,
         )
     except KeyboardInterrupt:
-        same = f"with --campaign {folder}" if args.campaign is None else "again"
-        raise KeyboardInterrupt(
-            f"interrupted; the same command {same} goes on from here."
-        ) from None
+        more = f" with --campaign {folder}" if args.campaign is None else ""
+        raise KeyboardInterrupt(f"interrupted; the same command{more} goes on from here.") from None
     if args.json is not None:
         write_json(args.json, explored.to_dict())
     if args.json != "-" and not args.quiet:

@@ -50,11 +50,13 @@ def opened(workers: int, pieces_per_worker: int | None = None) -> Iterator[Execu
                 f"No cluster of Ray answers at {os.environ.get('RAY_ADDRESS')}, which RAY_ADDRESS "
                 "names; start it, or unset the variable to use this machine."
             ) from fault
-    executor = Workers(lambda: RayActor(ray), _placed(ray, workers), pieces_per_worker)
     try:
-        yield executor
+        executor = Workers(lambda: RayActor(ray), _placed(ray, workers), pieces_per_worker)
+        try:
+            yield executor
+        finally:
+            executor.shutdown(cancel_futures=True)  # all that was wanted has ended
     finally:
-        executor.shutdown(cancel_futures=True)  # all that was wanted has ended
         if ours:
             ray.shutdown()
 

@@ -32,6 +32,8 @@ TORQUES = ("N m", "kg m^2")
 def compared(a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
     """Returns what differs and what does not, for `tp-jax compare --json`.
 
+    Values and intervals are those of the diagnoses; "differs" is per B1 where one of them has none.
+
     Args:
         a, b: two diagnoses.
     """
@@ -68,8 +70,8 @@ def rows(a: DiagnosisRecord, b: DiagnosisRecord) -> list[Row]:
     ]
     for state, told in (("before", "without effects"), ("after", "with them")):
         for kind, name in (("windowed", "in windows"), ("free_run", "free run")):
-            sizes = [getattr(getattr(each.gap, state), kind) for each in both]
-            lines.append(_row(f"gap {name}, {told}", [angle(x) for x in sizes]))
+            errors = [getattr(getattr(each.gap, state), kind) for each in both]
+            lines.append(_row(f"gap {name}, {told}", [angle(x) for x in errors]))
     lines.append(_row("noise floor", [angle(each.floor) for each in both]))
     inertias = [_inertia(each) for each in both]
     shared = _per_inertia(inertias)
