@@ -84,7 +84,7 @@ def test_a_decay_that_grows_is_told():
 
 def test_a_column_that_is_held_at_first_moves_nothing_times_as_far():
     def held(r):
-        late = r.t >= 4.0
+        late = r.t >= 7.0
         later = {"phi1": np.where(late, r.phi1[np.maximum(np.arange(r.n) - late.argmax(), 0)], 0.6)}
         return {} if r.forced else later
 
