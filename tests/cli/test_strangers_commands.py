@@ -1,6 +1,7 @@
 """init, effects, compare and simulate's own numbers."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -322,3 +323,38 @@ def test_other_commands_replace_none_either(argv, tmp_path, capsys):
     assert main([*argv, str(file)]) == 2
     assert "is a recording; choose another name" in capsys.readouterr().err
     assert file.read_text() == "t,phi1,phi2\n"
+
+
+# one file, without a campaign.toml --------------------------------------------------------------
+
+
+def _of_one_file(told: str) -> str:
+    return re.search(r"single file without a campaign\.toml: (--omega [\d.]+)", told)[1]
+
+
+# of another frequency only that of the motion is known
+@pytest.mark.parametrize(
+    ("given", "within"),
+    [(13.09 / TURN, 1e-5), (60.0 * 13.09 / TURN, 1e-5), (TURN / 13.09, 1e-5), (9.4, 1e-3)],
+)
+def test_the_frequency_that_is_advised_for_one_file_is_right(given, within, capsys):
+    file = str(EXAMPLE / "run-13.csv")
+    assert main(["check", file, "--omega", f"{given}"]) == 2
+    option = _of_one_file(capsys.readouterr().out).split()
+    assert main(["check", file, *option]) == 0
+    assert float(option[1]) == pytest.approx(13.09, rel=within)
+
+
+def test_what_one_file_needs_a_campaign_toml_for_goes_into_the_one_of_init(tmp_path, capsys):
+    t, a, b = _run("run-13")
+    rows = zip(1e3 * t, a, b, strict=True)
+    text = "\n".join(["t,phi1,phi2", *(f"{x:.6f},{y:.9f},{z:.9f}" for x, y, z in rows)])
+    (file := tmp_path / "a run.csv").write_text(text)
+    init = f"tp-jax init '{tmp_path}'" if " " in str(tmp_path) else f"tp-jax init {tmp_path}"
+    for command in (["check"], ["identify", "--quiet"]):
+        assert main([*command, str(file), "--omega", "13.09"]) == 2
+        said = capsys.readouterr()
+        assert f"`{init}` writes" in said.out + said.err
+    assert main(["init", str(tmp_path)]) == 0
+    assert main(["check", str(file), "--omega", "13.09"]) == 2
+    assert f"belongs in {tmp_path / 'campaign.toml'}; then name" in capsys.readouterr().out

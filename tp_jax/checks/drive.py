@@ -45,11 +45,15 @@ def _time(unit: str, name: str) -> Mistake:
     return Mistake(TIME[unit], wrong, mend, wrong, mend)
 
 
+ONE_FILE = " (for a single file without a campaign.toml: --omega {right:.6g})"
+"""Follows what is to be written in a campaign.toml."""
+
+
 def _frequency(unit: str, name: str) -> Mistake:
     return Mistake(
         FREQUENCY[unit],
         f"omega = {{omega:g}} is in {name}",
-        f'write omega = {{right:.6g}}, or unit = "{unit}" beside it',
+        f'write omega = {{right:.6g}}, or unit = "{unit}" beside it{ONE_FILE}',
         f"omega is in {name}",
         f'write unit = "{unit}" beside each omega',
     )
@@ -65,7 +69,7 @@ MISTAKES = (
     Mistake(
         None,
         "omega = {omega:g} is a period in seconds",
-        "write period = {omega:g} in place of omega",
+        "write period = {omega:g} in place of omega" + ONE_FILE,
         "omega is a period in seconds",
         "write period in place of omega, with the same number",
     ),
@@ -109,20 +113,21 @@ def findings(driven: Sequence[Driven], policy: DrivePolicy) -> list[Finding]:
             by_mistake[each.mistake].append(each)
             continue
         numbers = {"share": each.share, "moves_at": each.moves_at}
+        about = f"{each.moves_at:.4g}"
         if each.share < policy.wrong and each.steady:
             found.append(
                 Finding(
                     "frequency",
                     "wrong",
                     (each.recording.label,),
-                    f"phi1 moves at {each.moves_at:.4g} rad/s and not at its omega of {omega:.4g}",
-                    f"write omega = {each.moves_at:.4g} if that is what it was driven at, or name "
-                    "the right file",
+                    f"phi1 moves at {about} rad/s and not at its omega of {omega:.4g}",
+                    f"write omega = {about} if that is what it was driven at"
+                    f"{ONE_FILE.format(right=float(about))}, or name the right file",
                     numbers,
                 )
             )
             continue
-        moves = f", most is at {each.moves_at:.4g} rad/s" if math.isfinite(each.moves_at) else ""
+        moves = f", most is at {about} rad/s" if math.isfinite(each.moves_at) else ""
         found.append(
             Finding(
                 "frequency",

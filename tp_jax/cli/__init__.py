@@ -89,5 +89,5 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except Exception as fault:
-        return explain(fault, debug=args.debug)
+        return explain(fault, debug=args.debug, campaign=getattr(args, "campaign", None))
     return status or 0

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tp_jax.cli.arguments import add_campaign, add_common, add_json, figure_name
+from tp_jax.cli.faults import where_it_goes
 from tp_jax.cli.output import ready, replaced, write_json
 from tp_jax.errors import InputError
 
@@ -52,6 +53,9 @@ def run(args: argparse.Namespace) -> None:
             print(f"{each.level:9}{each.sentence}")
     elif args.json != "-":
         print("\n".join(_told(checked)))
+        asked = " ".join(each.mend for each in checked.wrong + checked.doubtful)
+        if goes := where_it_goes(args.campaign, asked):
+            print(goes.lstrip())
         if args.figure is not None and checked.campaign is not None:
             print(f"Wrote {args.figure}")
     if checked.wrong:

@@ -1,8 +1,11 @@
 """Messages to the user when a command fails, and the exit code."""
 
 import errno
+import os
+import shlex
 import sys
 import traceback
+from pathlib import Path
 
 from tp_jax.errors import InputError
 
@@ -14,8 +17,12 @@ OF_THE_SYSTEM = {
 """Refusals of a file system that may come anywhere, and that nobody but the user can mend."""
 
 
-def explain(fault: Exception, *, debug: bool) -> int:
+def explain(fault: Exception, *, debug: bool, campaign: object = None) -> int:
     """Prints one sentence on standard error (with `debug` the traceback before it).
+
+    Args:
+        fault: that ended the command.
+        campaign: that the command was given, if any.
 
     Returns:
         2 where the input is to be mended, 1 where the fault is ours.
@@ -23,7 +30,8 @@ def explain(fault: Exception, *, debug: bool) -> int:
     if debug:
         traceback.print_exception(fault)
     if isinstance(fault, InputError):  # CampaignError is one
-        print(f"tp-jax: {_one_line(str(fault))}", file=sys.stderr)
+        text = _one_line(str(fault))
+        print(f"tp-jax: {text}{where_it_goes(campaign, text)}", file=sys.stderr)
         return 2
     if isinstance(fault, OSError) and fault.errno in OF_THE_SYSTEM:
         name = str(fault.filename or "")
@@ -34,6 +42,25 @@ def explain(fault: Exception, *, debug: bool) -> int:
     hint = "" if debug else "; rerun with --debug for the traceback"
     print(f"tp-jax: A fault of ours, {what}{hint}.", file=sys.stderr)
     return 1
+
+
+def where_it_goes(campaign: object, text: str) -> str:
+    """Says where to write what `text` asks for under a section, if one data file was given.
+
+    Such a file has no campaign.toml that the section could stand in.
+    """
+    if not isinstance(campaign, str) or "under [" not in text or "tp-jax init" in text:
+        return ""
+    path = Path(campaign)
+    if path.suffix.lower() == ".toml" or not os.path.isfile(path):
+        return ""
+    folder = path.parent
+    if (folder / "campaign.toml").exists():
+        return f" That belongs in {folder / 'campaign.toml'}; then name the folder, not the file."
+    return (
+        f" That belongs in a campaign.toml, which `tp-jax init {shlex.quote(str(folder))}` writes; "
+        "then name the folder, not the file."
+    )
 
 
 def _one_line(text: str) -> str:

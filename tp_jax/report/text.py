@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Collection, Sequence
 
 from tp_jax.report import verdict
-from tp_jax.report.formatting import angles, percent, probability
+from tp_jax.report.formatting import MISSING, angles, percent, probability
 from tp_jax.results.diagnosis import DiagnosisRecord, Found
 
 WIDTH = 100
@@ -77,7 +77,7 @@ def _candidates(diagnosis: DiagnosisRecord, without: Collection[str] = ()) -> li
             percent(row.predicted_shrink),
             percent(row.realised_shrink),
             probability(row.probability),
-            row.note or "",
+            row.note or MISSING,
         ]
         for row in found[:_MOST_CANDIDATES]
         if row.effect not in without
@@ -85,8 +85,8 @@ def _candidates(diagnosis: DiagnosisRecord, without: Collection[str] = ()) -> li
     # once a cause is taken, probabilities are of all rounds together
     name = "candidate, any round" if diagnosis.accepted else "candidate"
     head = [name, "predicted shrink", "realised shrink", "probability", "why it is no cause"]
-    noted = any(row[-1] for row in body)
-    return _table(head, body) if noted else _table(head[:-1], [row[:-1] for row in body])
+    said = [i for i in range(len(head)) if i == 0 or any(row[i] != MISSING for row in body)]
+    return _table([head[i] for i in said], [[row[i] for i in said] for row in body])
 
 
 def _last(diagnosis: DiagnosisRecord) -> list[str]:
