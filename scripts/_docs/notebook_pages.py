@@ -41,7 +41,7 @@ def page(path: Path) -> Page:
                 name = f"{path.stem}-{len(pictures) + 1}.png"
                 pictures[name] = content
                 parts.append(f"![{_said(parts)}]({name})")
-    link = f"*A notebook: `notebooks/{path.name}`, run by the tests.*"
+    link = f"*A notebook: `notebooks/{path.name}`.*"
     title, *rest = parts
     head, _, below = title.partition("\n")
     return Page(path.stem, "\n\n".join([head, link, below, *rest]) + "\n", pictures)

@@ -46,7 +46,7 @@ def build_parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"tp-jax {__version__}")
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
-    parser.add_argument("--quiet", action="store_true", help="print results and faults only")
+    parser.add_argument("--quiet", action="store_true", help="no summary, no progress")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for command in (
         simulate,
