@@ -16,7 +16,7 @@ LOCATIONS = {
     "motor_stall": ("drive", "column"),
     "contact_wear_exponential": ("contact", "contact"),
 }
-COUSINS = {"contact_wear_exponential": {"of": "contact_wear", "family": "contact_dry.s"}}
+COUSINS = {"contact_wear_exponential": {"of": "contact_wear", "family": "contact_dry.t"}}
 
 
 def part_of_key(case: str, kind: str, sizes: dict[str, float]) -> dict:

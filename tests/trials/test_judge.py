@@ -176,7 +176,7 @@ def test_or_by_one_tied_with_it():
 
 @pytest.mark.parametrize(
     ("family", "right"),
-    [("contact_dry.s", True), ("contact.s", True), ("contact_dry.v2", False), ("spring.s", False)],
+    [("contact_dry.t", True), ("contact.t", True), ("contact_dry.v2", False), ("spring.t", False)],
 )
 def test_or_by_a_law_of_its_family(family, right):
     for named in ({"effect": family}, {"effect": "law", "family": family}):

@@ -82,7 +82,7 @@ class BearingWarmupExponential(_OfBearing):
 
     id = "bearing_warmup_exponential"
     formula = "limit M1 (1 + a e(s)), c1 (1 + a e(s)), e from -1/2 to 1/2 with time constant tau"
-    cousin_of, family = "bearing_warmup", "bearing.s"
+    cousin_of, family = "bearing_warmup", "bearing_dry.t"
     shapes = {"tau": 0.25}  # noqa: RUF012
 
     def install(self, run, a):

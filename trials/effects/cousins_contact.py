@@ -69,7 +69,7 @@ class ContactWearExponential(_OfContact):
 
     id = "contact_wear_exponential"
     formula = "dry friction times 1 + a e(s), e from -1/2 to 1/2 with time constant tau"
-    cousin_of, family = "contact_wear", "contact_dry.s"
+    cousin_of, family = "contact_wear", "contact_dry.t"
     shapes = {"tau": 0.25}  # noqa: RUF012
 
     def install(self, run, a):

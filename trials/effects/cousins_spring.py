@@ -86,7 +86,7 @@ class SpringRelaxationExponential(_OfSpring):
 
     id = "spring_relaxation_exponential"
     formula = "k (1 + a e(s)) d, e from -1/2 to 1/2 with time constant tau"
-    cousin_of, family = "spring_relaxation", "spring.s"
+    cousin_of, family = "spring_relaxation", ""
     shapes = {"tau": 0.25}  # noqa: RUF012
 
     def install(self, run, a):

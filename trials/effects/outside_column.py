@@ -19,7 +19,7 @@ class SpringClampSlip(Outside):
     id = "spring_clamp_slip"
     formula = "stiffness k before and k (1 + a) after a moment of the run's middle third"
     channel, location = "column", "spring"
-    cousin_of, family = "spring_relaxation", "spring.s"
+    cousin_of, family = "spring_relaxation", ""
 
     def install(self, run, a):
         at = run.duration * float(run.rng.uniform(1 / 3, 2 / 3))
