@@ -138,3 +138,33 @@ def test_faults(campaign, options, part):
     with pytest.raises(InputError, match=part) as fault:
         sensitivity(campaign, **options)
     assert str(fault.value).endswith(".")
+
+
+def test_a_measured_drive_and_a_decay_have_no_amplitude(campaign):
+    """The motor's angle read as volts about 2.57 V; nothing is recorded of it in the decay."""
+    decay, *driven = [dataclasses.replace(r, phi2=None) for r in campaign.recordings]
+    assert not decay.forced
+    runs = [
+        dataclasses.replace(r, drive=2.57 + 0.5 * np.sin(r.omega * r.t), omega=None) for r in driven
+    ]
+    made = dataclasses.replace(campaign, model="single", recordings=(decay, *runs))
+    found = sensitivity(made, **SMALL).to_dict()
+    assert list(found["identifiable"]) == ["B1", "k", "c1", "M1", "gain"]
+    # a change of the gain moves the column as the sine does; the mean reading, 5.1 times its
+    # amplitude, does not turn it
+    for r in found["local"]["recordings"][1:]:
+        moved = np.array(r["phi1"]["gain"])
+        assert abs(moved.mean()) < 0.3 * np.abs(moved).max()
+    with pytest.raises(InputError, match="A is not fitted here, choose one of: k, c1, M1"):
+        sensitivity(made, **SMALL, profile=("A",))
+
+
+def test_where_nothing_is_free_nothing_is_varied(campaign):
+    single = dataclasses.replace(
+        campaign,
+        model="single",
+        recordings=tuple(dataclasses.replace(r, phi2=None) for r in campaign.recordings),
+    )
+    held = {"k": 0.45, "A": 0.18, "c1": 2.2e-3, "M1": 5e-3}
+    with pytest.raises(InputError, match="All parameters of .* are held"):
+        sensitivity(single, **SMALL, fix=held)

@@ -272,9 +272,7 @@ def check_profiles(wanted: Sequence[str], fix: Mapping[str, float]) -> None:
     """
     from tp_jax.model.plausible import check_names
 
-    if tuple(wanted) == ("all",):
-        return
-    check_names(wanted)
+    check_names([name for name in wanted if name != "all"])
     for name in wanted:
         if name in fix:
             raise InputError(f"Argument --profile names {name}, which --fix holds.")

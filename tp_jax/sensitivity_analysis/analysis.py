@@ -36,6 +36,7 @@ from tp_jax.results.sensitivity import (
 )
 from tp_jax.sensitivity_analysis import record
 from tp_jax.sensitivity_analysis.local import Local, local
+from tp_jax.sensitivity_analysis.measured_drives import about_the_mean
 from tp_jax.sensitivity_analysis.morris import TRAJECTORIES, morris
 from tp_jax.sensitivity_analysis.ranges import SPREAD, ranges
 from tp_jax.sensitivity_analysis.sobol import SAMPLES, sobol
@@ -111,15 +112,16 @@ def sensitivity(
     report = progress or (lambda stage, fraction: None)  # noqa: ARG005
     _check(fix or {}, campaign.B1, profile, spread, samples, trajectories, points)
     setting = prepare_campaign(campaign, model=model, fix=dict(fix or {}), effects=())
+    wanted = _wanted(setting, profile)
     fit = fit_with_sharp_friction(
         setting,
         fit_over_schedule(setting, initial_values(setting), setting.unknowns(), progress=report),
     )
     if not np.isfinite(fit.cost):
         raise InputError(f"{campaign.name} could not be fitted: {fit.message}")
-    found = _profiles(fit, setting, profile, report)
-    designs = designs_of(setting, fit)
-    names = _names(designs)
+    found = profiles(fit, setting, wanted, progress=report) if wanted else ()
+    designs = [about_the_mean(d, fit.values.get("gain")) for d in designs_of(setting, fit)]
+    names = _names(designs, setting)
     values = {n: fit.values.get(n) for n in (*names, "reaction")}
     scale = {n: _size(n, values, setting) for n in names}
     given = _given(setting, fix or {})
@@ -134,7 +136,10 @@ def sensitivity(
     structural = [_removed(d, given) for d in structure.directions]
     known = information(fit, setting)
 
-    over = ranges(values, [n for n in names if n not in given], setting.fixed["B1"], spread)
+    varied = [n for n in names if n not in given]
+    if not varied:
+        raise InputError(f"All parameters of {campaign.name} are held; let one of them free.")
+    over = ranges(values, varied, setting.fixed["B1"], spread)
     through_time, variances, effects = [], [], []
     for i, d in enumerate(designs):
         report("sensitivity of the recordings", i / len(designs))
@@ -188,8 +193,7 @@ def _check(
     points: int,
 ) -> None:
     check_values(fix, None, B1)
-    if tuple(profile) != ("all",):
-        check_names(profile)
+    check_names([name for name in profile if name != "all"])
     for name in profile:
         if name in fix:
             raise InputError(f"Parameter {name} is fixed, so that it has no likelihood profile.")
@@ -205,22 +209,23 @@ def _check(
         raise InputError(f"There must be one point or more, but there are {points}.")
 
 
-def _profiles(
-    fit: Fit, setting: PreparedCampaign, wanted: Sequence[str], report: Progress
-) -> tuple[Profile, ...]:
-    if not wanted:
-        return ()
-    there = [u.name for u in fit.unknowns if u.name in UNKNOWNS]
-    names = there if tuple(wanted) == ("all",) else list(wanted)
-    for n in names:
-        if n not in there:
+def _wanted(setting: PreparedCampaign, profile: Sequence[str]) -> list[str]:
+    """Names of the parameters whose profile is asked for; refuses those that are not fitted."""
+    there = [u.name for u in setting.unknowns() if u.name in UNKNOWNS]
+    for n in profile:
+        if n not in (*there, "all"):
             raise InputError(f"{n} is not fitted here, choose one of: {', '.join(there)}.")
-    return profiles(fit, setting, names, progress=report)
+    return there if "all" in profile else list(dict.fromkeys(profile))
 
 
-def _names(designs: Sequence[Design]) -> tuple[str, ...]:
-    """Returns the names that any of the experiments may depend on, in the order of Listing 1."""
+def _names(designs: Sequence[Design], setting: PreparedCampaign) -> tuple[str, ...]:
+    """Returns the names that any of the experiments may depend on, in the order of Listing 1.
+
+    The amplitude of a sine is none of them where no recording has one.
+    """
     there = {n for d in designs for n in d.unknowns}
+    if not setting.sine and "A" not in setting.fixed:
+        there.discard("A")
     return tuple(n for n in (*UNKNOWNS, "gain") if n in there)
 
 
@@ -285,7 +290,7 @@ def _warnings(fit: Fit, structural: Sequence[Direction], runs: Sequence[Local]) 
             out.append(Warned(code=code, parameters=tuple(d.coefficients), text=text))
     if fit.chi2_dof > 1.2:
         text = (
-            f"The misfit is {fit.chi2_dof:.3g} times the noise: what is said here holds for the "
+            f"The misfit is {fit.chi2_dof**0.5:.3g} times the noise: what is said here holds for the "
             "model, not yet for the rig; run `tp-jax diagnose`."
         )
         out.append(Warned(code="misfit", parameters=(), text=text))
