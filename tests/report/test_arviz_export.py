@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from tp_jax.errors import InputError
-from tp_jax.report.arviz_export import to_arviz
+from tp_jax.model.parameters import BY_NAME, REFERENCE_B1
+from tp_jax.report.arviz_export import _drawn, to_arviz
 
 NAMES = ("arviz", "arviz_base")
 
@@ -97,6 +98,37 @@ def test_nothing_to_draw(arviz):
         to_arviz({"parameters": {"Ts2": parameter(0.0, None)}})
     with pytest.raises(InputError, match="one draw and one chain"):
         to_arviz(FOUND, draws=0)
+
+
+def drawn(name: str, value: float, ci95: tuple[float, float]) -> np.ndarray:
+    z = np.random.default_rng(0).standard_normal(40_000)
+    return _drawn(value, *ci95, z, BY_NAME[name], REFERENCE_B1)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "ci95"),
+    [
+        ("M1", 0.01, (0.0093, 0.015)),  # of a ridge: neither end is a bound
+        ("Ts1", 0.01, (0.0095, 0.0107)),
+        ("T0", 50.0, (40.0, 90.0)),
+    ],
+)
+def test_an_interval_that_no_bound_cuts_has_both_its_ends(name, value, ci95):
+    found = drawn(name, value, ci95)
+    np.testing.assert_allclose(
+        np.quantile(found, [0.025, 0.5, 0.975]), [ci95[0], value, ci95[1]], rtol=0.01
+    )
+    assert np.unique(found).size == found.size
+
+
+def test_bounds_are_not_passed():
+    found = drawn("T0", 500.0, (228.0, 1000.0))
+    assert found.max() == 1000.0
+    assert np.quantile(found, 0.025) == pytest.approx(228.0, rel=0.02)
+    assert (found == 1000.0).mean() == pytest.approx(0.0418, abs=0.005)  # of a log normal beyond
+    found = drawn("M1", 0.001, (0.0, 0.004))
+    assert found.min() == 0.0
+    assert np.quantile(found, 0.975) == pytest.approx(0.004, rel=0.03)
 
 
 def test_without_arviz_it_says_what_to_install(monkeypatch):

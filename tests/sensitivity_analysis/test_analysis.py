@@ -166,5 +166,5 @@ def test_where_nothing_is_free_nothing_is_varied(campaign):
         recordings=tuple(dataclasses.replace(r, phi2=None) for r in campaign.recordings),
     )
     held = {"k": 0.45, "A": 0.18, "c1": 2.2e-3, "M1": 5e-3}
-    with pytest.raises(InputError, match="All parameters of .* are held"):
+    with pytest.raises(InputError, match=r"All parameters of .* are held"):
         sensitivity(single, **SMALL, fix=held)

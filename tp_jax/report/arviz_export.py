@@ -1,7 +1,8 @@
 """Draws of fitted parameters for ArviZ, which summarises, compares and plots them.
 
 A fit gives values, 95 % intervals and the correlations of their errors; drawn from are normal
-distributions of just these, of the logarithm where an interval is symmetric in that. It is the
+distributions of just these, of the logarithm where an interval is symmetric in that, and with two
+halves of different width where it is in neither. It is the
 normal approximation of the posterior at its peak, not a run of a sampler: what holds far from the
 peak (a friction that may be zero, a ridge) is as good as the intervals are.
 """
@@ -15,6 +16,7 @@ import numpy as np
 
 from tp_jax._version import __version__
 from tp_jax.errors import InputError
+from tp_jax.model.parameters import BY_NAME, Parameter
 
 TO_LIMIT = 1.959964
 """Standard deviations from a normal distribution's middle to the end of its 95 % interval."""
@@ -68,10 +70,11 @@ def to_arviz(
     if not known:
         raise InputError("No parameter of this result has an interval, so nothing can be drawn.")
     z = _normal(list(known), result.get("correlation"), chains * draws, seed)
+    B1 = (parameters.get("B1") or {}).get("value") or 1.0
     posterior = {}
     for i, (name, p) in enumerate(known.items()):
-        low, high = p["ci95"]
-        posterior[name] = _drawn(p["value"], low, high, z[:, i]).reshape(chains, draws)
+        drawn = _drawn(p["value"], *p["ci95"], z[:, i], BY_NAME.get(name), B1)
+        posterior[name] = drawn.reshape(chains, draws)
     constant = {
         name: np.array(float(p["value"]))
         for name, p in parameters.items()
@@ -126,10 +129,13 @@ def _normal(names: list[str], correlation: Any, n: int, seed: int) -> np.ndarray
     return np.random.default_rng(seed).standard_normal((n, len(names))) @ root.T
 
 
-def _drawn(value: float, low: float, high: float, z: np.ndarray) -> np.ndarray:
+def _drawn(
+    value: float, low: float, high: float, z: np.ndarray, of: Parameter | None, B1: float
+) -> np.ndarray:
     """Draws (n,) of a number with this 95 % interval, from standard normal ones.
 
-    An interval that a bound cuts short has its longer half's width, and no draw is beyond that.
+    An interval that ends at a bound of its parameter, or at zero, is cut short there: the half has
+    the other's width, and no draw is beyond the bound.
     """
     down, up = value - low, high - value
     if abs(up - down) <= SYMMETRIC * max(up, down):
@@ -138,5 +144,18 @@ def _drawn(value: float, low: float, high: float, z: np.ndarray) -> np.ndarray:
         ratio_down, ratio_up = np.log(value / low), np.log(high / value)
         if abs(ratio_up - ratio_down) <= SYMMETRIC * max(ratio_up, ratio_down):
             return value * np.exp((ratio_down + ratio_up) / (2.0 * TO_LIMIT) * z)
-    drawn = value + max(up, down) / TO_LIMIT * z
-    return np.maximum(drawn, low) if down < up else np.minimum(drawn, high)
+    bounds = (0.0, 0.0) if of is None else (of.scaled(B1).lower, of.scaled(B1).upper)
+    cut_low, cut_high = (
+        end == 0.0 or abs(end - bound) <= SYMMETRIC * abs(bound)
+        for end, bound in zip((low, high), bounds, strict=True)
+    )
+    in_logarithms = of is not None and of.transform == "log"
+    if in_logarithms:
+        down, up = np.log(value / low), np.log(high / value)
+    if cut_low and not cut_high:
+        down = up
+    if cut_high and not cut_low:
+        up = down
+    moved = np.where(z < 0.0, down, up) / TO_LIMIT * z
+    drawn = value * np.exp(moved) if in_logarithms else value + moved
+    return np.clip(drawn, low if cut_low else None, high if cut_high else None)

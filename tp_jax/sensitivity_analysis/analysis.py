@@ -290,8 +290,8 @@ def _warnings(fit: Fit, structural: Sequence[Direction], runs: Sequence[Local]) 
             out.append(Warned(code=code, parameters=tuple(d.coefficients), text=text))
     if fit.chi2_dof > 1.2:
         text = (
-            f"The misfit is {fit.chi2_dof**0.5:.3g} times the noise: what is said here holds for the "
-            "model, not yet for the rig; run `tp-jax diagnose`."
+            f"The misfit is {fit.chi2_dof**0.5:.3g} times the noise: what is said here holds for "
+            "the model, not yet for the rig; run `tp-jax diagnose`."
         )
         out.append(Warned(code="misfit", parameters=(), text=text))
     if not fit.converged:

@@ -20,8 +20,9 @@ def unknowns(result: Identification) -> "Figure":
     and are left out.
     """
     names = np.array([u.name for u in result.fit.unknowns])
-    ends = np.array([t.end.x for t in result.trials])
-    costs = np.array([t.end.cost for t in result.trials])
+    came = [t for t in result.trials if np.isfinite(t.end.cost)]  # the others came to nothing
+    ends = np.array([t.end.x for t in came])
+    costs = np.array([t.end.cost for t in came])
     best = ends[int(np.argmin(costs))]
     drawn = np.array([t.start.point for t in result.trials if t.start.point is not None])
     drawn = drawn.reshape(-1, names.size)
