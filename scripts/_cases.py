@@ -99,7 +99,7 @@ def _targets(out: str | None, campaigns: "Sequence[Campaign]") -> list[Path | No
         if times > 1:
             raise InputError(
                 f"There are {times} campaigns named {name}, and {out} can hold one {name}.json: "
-                "give them in runs of their own."
+                "give each a call with an --out of its own."
             )
     return [Path(out, f"{name or 'campaign'}.json") for name in names]
 

@@ -14,7 +14,7 @@ import numpy as np
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._ledger import add_ledger, entries, extended
-from scripts._version import DIGITS, computed, unchanged
+from scripts._version import unchanged
 from tp_jax.cli.arguments import Parser, count
 
 ROOT = Path(__file__).parent.parent
@@ -106,7 +106,7 @@ def _parser() -> Parser:
     )
     parser.add_argument("--rigs", metavar="N", type=count, default=18, help="default 18")
     # A digest of what a diagnosis computes: rigs of two programs are not one study.
-    add_ledger(parser, LEDGER, computed()[:DIGITS])
+    add_ledger(parser, LEDGER)
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 

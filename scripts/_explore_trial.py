@@ -18,6 +18,7 @@ import numpy as np
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._ledger import add_ledger, entries, extended
+from scripts._version import APART, DIGITS, computed, unchanged
 from tp_jax.acquisition import Port, Settings, protocol, record
 from tp_jax.acquisition.campaign_entry import append_entry, entries_of, free_name
 from tp_jax.cli.arguments import Parser, count
@@ -43,6 +44,9 @@ WINDOWS = 2
 """Windows of a run that the stand-in looks at: fewer than for the size, since it looks often."""
 
 STAND_IN, REAL = "stand-in", "real"
+
+ELSEWHERE = tuple(room for room in APART if room != "exploring")
+"""Rooms in which nothing of this study is made: other than a diagnosis, it goes by `exploring`."""
 
 HEADS = ("diagnosis", "rigs", "named by explore", "runs", "named by the sweep", "runs", "fewer")
 
@@ -100,7 +104,7 @@ def _parser() -> Parser:
         help="the stand-in (default) knows the secret and tells it once "
         "the runs show it; the real one takes many minutes a rig",
     )
-    add_ledger(parser, LEDGER)
+    add_ledger(parser, LEDGER, computed(apart=ELSEWHERE)[:DIGITS])
     parser.add_argument("--debug", action="store_true", help="show the traceback of a fault")
     return parser
 
@@ -128,6 +132,7 @@ def read(ledger: Path) -> list[Row]:
 
 def look(seed: int, diagnosis: str, version: str) -> Row:
     """One rig."""
+    unchanged(version, apart=ELSEWHERE)
     from tp_jax.exploring import explore
     from tp_jax.gap.next_run import Limits, Run
 

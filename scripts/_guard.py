@@ -140,14 +140,16 @@ def _guard(args: Any) -> int:
         told = "is done" if ended.fault is None else f"failed: {ended.fault}"
         print(f"guard: {ended.piece.key} {told}", file=sys.stderr)
         status = status if ended.fault is None else 1
-    found = _read_all(rows)
+    # a folder of rows may hold those of other calls, of campaigns that are not asked for now
+    found = {name: row for name, row in _read_all(rows).items() if name in rigs}
+    other = _kept() if args.against is None else _read_all(folder / args.against)
+    print(_table(found, other, len(rigs)))
     if args.keep:
         if status or len(found) < len(rigs):
             raise InputError("Not all rigs are diagnosed: the same call goes on, then --keep.")
         KEPT.parent.mkdir(exist_ok=True)
         write_json(KEPT, {name: dataclasses.asdict(row) for name, row in found.items()})
-    other = _kept() if args.against is None else _read_all(folder / args.against)
-    print(_table(found, other, len(rigs)))
+        return 0  # what changed is what is kept from now on
     changed = [name for name, row in found.items() if name in other and row.differs(other[name])]
     return status or (1 if changed else 0)
 

@@ -13,17 +13,19 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from tp_jax._version import __version__
+from scripts._version import DIGITS, computed
 from tp_jax.cli.arguments import add_executor, executor_of, positive
 from tp_jax.executors import Piece, run_pieces
 
 
-def add_ledger(parser: argparse.ArgumentParser, ledger: Path, version: str = __version__) -> None:
+def add_ledger(parser: argparse.ArgumentParser, ledger: Path, version: str = "") -> None:
     """Arguments that a study with a ledger takes: --ledger, --version, --limit-s, and those of
     `add_executor`.
 
     Args:
-        parser: gets them. ledger: by default. version: of the lines that count, by default.
+        parser: gets them. ledger: by default. version: of the lines that count, by default; empty:
+            the digest of what a diagnosis computes, since the package's version stays the same
+            over many changes of it.
     """
     parser.add_argument(
         "--ledger",
@@ -34,8 +36,8 @@ def add_ledger(parser: argparse.ArgumentParser, ledger: Path, version: str = __v
     parser.add_argument(
         "--version",
         metavar="V",
-        default=version,
-        help="of the lines that count (default that of the package, %(default)s)",
+        default=version or computed()[:DIGITS],
+        help="of the lines that count (default that of the program as it is, %(default)s)",
     )
     add_executor(parser)
     parser.add_argument(

@@ -14,6 +14,7 @@ os.environ.setdefault("EQX_ON_ERROR", "nan")  # before equinox is imported: see 
 from scripts import _markdown as markdown
 from scripts._carried_out import carried_out
 from scripts._ledger import add_ledger, entries, extended
+from scripts._version import unchanged
 from tp_jax.cli.arguments import Parser, count
 
 ROOT = Path(__file__).parent.parent
@@ -94,6 +95,7 @@ def read(ledger: Path) -> list[Row]:
 
 def look(kind: str, seed: int, version: str) -> Row:
     """One rig."""
+    unchanged(version)
     begin = time.process_time()
     found = _diagnosed(kind, seed) if kind in DRAGS else _tested(kind, seed)
     return Row(kind, seed, version, **found, cpu_s=round(time.process_time() - begin, 1))

@@ -7,7 +7,7 @@ counted.
 
 import ast
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from tp_jax.errors import InputError
@@ -32,34 +32,34 @@ APART = (
 """Rooms, and a file, in which no number of a diagnosis, nor of a rig it is tried on, is made."""
 
 
-def computed(package: Path = PACKAGE) -> str:
-    """Digest of what a diagnosis computes: the bare code of the package's other rooms."""
+def computed(package: Path = PACKAGE, apart: Collection[str] = APART) -> str:
+    """Digest of what a diagnosis computes: the bare code of the package's rooms but for `apart`."""
     digest = hashlib.sha256()
-    for file in files(package):
+    for file in files(package, apart):
         name = file.relative_to(package).as_posix()
         code = ast.dump(_bare(ast.parse(file.read_text(encoding="utf-8"))))
         digest.update(f"{name}\0{code}\0".encode())
     return digest.hexdigest()
 
 
-def unchanged(version: str, package: Path = PACKAGE) -> None:
+def unchanged(version: str, package: Path = PACKAGE, apart: Collection[str] = APART) -> None:
     """Sees that the package is still of a version: a trial's worker imports it after the start.
 
     Raises:
         InputError: it is not.
     """
-    if not computed(package).startswith(version):
+    if not computed(package, apart).startswith(version):
         raise InputError(
             f"The package is not of version {version}; run the same command again, without "
             "--version."
         )
 
 
-def files(package: Path = PACKAGE) -> Iterator[Path]:
+def files(package: Path = PACKAGE, apart: Collection[str] = APART) -> Iterator[Path]:
     """Those files, in the order of their names."""
     for file in sorted(package.rglob("*.py")):
         place = file.relative_to(package)
-        if place.parts[0] not in APART and place.as_posix() not in APART:
+        if place.parts[0] not in apart and place.as_posix() not in apart:
             yield file
 
 

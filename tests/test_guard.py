@@ -45,6 +45,21 @@ def test_a_changed_rig_is_a_fault(tmp_path, monkeypatch, capsys):
     (now / "rough-case-001.json").write_text(json.dumps(guard.dataclasses.asdict(row(shrink=0.5))))
     assert guard.main(words) == 1
     assert "0.900 → 0.500" in capsys.readouterr().out
+    assert guard.main([*words, "--keep"]) == 0
+    assert "0.900 → 0.500" in capsys.readouterr().out  # what is kept from now on is told
+
+
+def test_rows_of_other_campaigns_do_not_make_up_for_a_rig(tmp_path, monkeypatch):
+    made = {"clean-case-001": (), "rough-case-001": ("column_tilt",)}
+    monkeypatch.setattr(guard, "_made", lambda folder, executor: made)
+    monkeypatch.setattr(guard, "KEPT", tmp_path / "trials" / "guard.json")
+    monkeypatch.setattr(guard, "run_pieces", lambda *_, **__: [])  # as --limit-s ends it
+    now = tmp_path / guard.computed()[:12]
+    now.mkdir()
+    for name in ("clean-case-001", "hard-campaign"):
+        (now / f"{name}.json").write_text(json.dumps(guard.dataclasses.asdict(row())))
+    assert guard.main(["--folder", str(tmp_path), "--made-only", "--keep"]) == 2
+    assert not (tmp_path / "trials").exists()
 
 
 def test_alarms_are_counted_by_kind():

@@ -1,6 +1,7 @@
 """Making a trial: nothing here knows the model that is put to the test."""
 
 import dataclasses
+import hashlib
 import json
 import os
 import shutil
@@ -67,7 +68,7 @@ def make(
         raise InputError(f"{directory} is not empty; give a new folder.")
     part = root.with_name(f".{root.name}.part")
     wanted = {"cases": cases, "seed": seed, **kind, **dataclasses.asdict(settings)}
-    digest = _begin(part, wanted)
+    digest = _begin(part, wanted, _program())
     if digest is None:
         made: dict[str, dict[str, Any]] = {}
         for name, entry in _made(part, plan, settings, executor):
@@ -92,24 +93,34 @@ def make(
     return digest
 
 
-def _begin(part: Path, wanted: dict[str, Any]) -> str | None:
-    """The folder in which a trial grows; what is there of another trial goes.
+def _program() -> str:
+    """Digest of the code that makes rigs: a trial begun by another one is not gone on with."""
+    digest = hashlib.sha256()
+    trials = Path(__file__).parent
+    for folder in (trials, trials.parent / "tp_jax" / "rig"):
+        for file in sorted(folder.rglob("*.py")):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _begin(part: Path, wanted: dict[str, Any], program: str) -> str | None:
+    """The folder in which a trial grows; what is there of another trial, or program, goes.
 
     Returns:
         Digest of the key where the trial is sealed already, and was cut off in being put into its
         place.
     """
-    note = part / NOTE
+    note, says = part / NOTE, json.dumps({**wanted, "program": program})
     if part.is_dir():
         digest = sealed_with(part, __version__, wanted)
         if digest is not None:
             return digest
-        if note.is_file() and note.read_text(encoding="utf-8") == json.dumps(wanted):
+        if note.is_file() and note.read_text(encoding="utf-8") == says:
             return None
         shutil.rmtree(part)
     part.mkdir(parents=True)
     with replaced(note) as file:
-        file.write_text(json.dumps(wanted), encoding="utf-8")
+        file.write_text(says, encoding="utf-8")
     return None
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from scripts import _markdown as markdown
-from tp_jax.cli.arguments import add_executor, add_seed, count, executor_of, positive
+from tp_jax.cli.arguments import add_executor, count, executor_of, positive, whole
 from tp_jax.errors import InputError
 from tp_jax.executors import ExecutorChoice, Piece, run_pieces
 
@@ -30,14 +30,13 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         default="blind-trial",
         help="of the trial (default ./blind-trial)",
     )
-    parser.add_argument("--cases", metavar="N", type=count, default=440, help="default 440")
+    parser.add_argument("--cases", metavar="N", type=count, help="of a new trial (default 440)")
     parser.add_argument(
         "--rigs",
         choices=("clean", "rough"),
-        default="clean",
-        help="as `scripts/blind make --rigs` (default clean)",
+        help="of a new trial, as `scripts/blind make --rigs` (default clean)",
     )
-    add_seed(parser)
+    parser.add_argument("--seed", metavar="N", type=whole, help="of a new trial (default 0)")
     add_executor(parser)
     parser.add_argument(
         "--limit-s",
@@ -78,13 +77,20 @@ def run_trial(args: argparse.Namespace) -> int:
     ready(args.json, args.markdown)
     others = [_read(path) for path in args.pool]
     begin, root = time.monotonic(), Path(args.directory)
+    asked_for = any(given is not None for given in (args.cases, args.rigs, args.seed))
+    if asked_for and (root / "KEY.sha256").is_file():
+        print(
+            f"blind: {root} holds a trial, which goes on with the cases, rigs and seed that it was "
+            "made with; name another folder for another one.",
+            file=sys.stderr,
+        )
     with shown(quiet=False) as progress:
         if not (root / "KEY.sha256").is_file():
             make(
                 root,
-                args.cases,
-                args.seed,
-                rigs=args.rigs,
+                args.cases or 440,
+                args.seed or 0,
+                rigs=args.rigs or "clean",
                 executor=executor_of(args),
                 progress=progress,
             )
@@ -103,7 +109,8 @@ def run_trial(args: argparse.Namespace) -> int:
     if left:
         print(f"blind: {len(left)} cases are without a diagnosis; the same call goes on.")
         return 1 if failed else 0
-    entries = open_key(root, args.first)["cases"]  # opened from here on
+    key = open_key(root, args.first)  # opened from here on
+    entries = key["cases"]
     shrinks, harms = (None, None) if args.quick else (_known_shrink, _known_harm)
     with shown(quiet=False) as progress:
         if not args.quick:
@@ -128,7 +135,7 @@ def run_trial(args: argparse.Namespace) -> int:
     if others:
         scored = pool([*others, scored])
     if args.markdown is not None:
-        write_text(Path(args.markdown), _markdown(scored, args.seed))
+        write_text(Path(args.markdown), _markdown(scored, key["seed"]))
     if args.json != "-":
         from rich.console import Console
 

@@ -22,7 +22,9 @@ def tally(results: Mapping[int, Mapping[str, Any]]) -> dict[str, dict[str, Any]]
         if not rows:
             continue
         out[name] = _share(rows) | {"by": "profile" if name in PROFILED else "standard error"}
-        wald = [row["wald"] | {"open": False} for row in rows if "wald" in row]
+        wald = [
+            row["wald"] | {"open": None in row["wald"]["ci95"]} for row in rows if "wald" in row
+        ]
         if wald:
             truths = [row["truth"] for row in rows if "wald" in row]
             rows = [w | {"truth": t} for w, t in zip(wald, truths, strict=True)]

@@ -139,6 +139,7 @@ def save(folder: Path, number: int, rigs: str) -> float:
 
 def first_screen(campaign: Path) -> tuple["PreparedCampaign", "Fit", "Screen", "Structure"]:
     """A campaign as the first round of its diagnosis sees it."""
+    from tp_jax.estimation.drive_errors import with_drives_of_angles
     from tp_jax.estimation.prepared_campaign import prepare_campaign
     from tp_jax.estimation.schedule import fit_over_schedule
     from tp_jax.estimation.start import initial_values
@@ -150,6 +151,7 @@ def first_screen(campaign: Path) -> tuple["PreparedCampaign", "Fit", "Screen", "
 
     setting = prepare_campaign(hold_out(load_campaign(campaign)))
     baseline = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
+    setting, baseline = with_drives_of_angles(setting, baseline)
     if baseline.chi2_dof < POLICY.noise.below:
         setting, baseline = with_noise_of(setting, baseline, baseline)
     current = Refit(baseline, ())

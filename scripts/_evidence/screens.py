@@ -17,7 +17,7 @@ import numpy as np
 
 from tp_jax._files import bytes_of, replaced
 
-FORM = 1
+FORM = 2
 """Form of the files; those of another form are made anew."""
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from scripts._evidence.saving import SEED_OF_DRAWS, first_screen
+from scripts._version import unchanged
 from tp_jax._files import write_json
 from tp_jax.rig import BENCH, make_campaign
 from tp_jax.rig.effects import catalogue
@@ -85,6 +86,7 @@ def kept_effect(fleet: int, folder: Path) -> tuple[str, tuple[float, ...], dict[
 
 def look(fleet: int, rig: int, version: str, folder: Path) -> Row:
     """Makes a rig, saves its screen."""
+    unchanged(version)
     from tp_jax.gap.detectability import TIED, cosine
     from tp_jax.gap.detectability import minimum_detectable as detectable
     from tp_jax.gap.shared.from_screen import rig_scores

@@ -141,6 +141,17 @@ def test_goes_on_where_it_was(tmp_path, monkeypatch):
     assert [p.name for p in tmp_path.iterdir()] == ["t"]
 
 
+def test_what_another_program_began_is_begun_anew(tmp_path, monkeypatch):
+    source = importlib.import_module("trials.make")
+    part = tmp_path / ".t.part"
+    assert source._begin(part, {"cases": 3}, "one") is None
+    (part / "case-001").mkdir()
+    assert source._begin(part, {"cases": 3}, "one") is None
+    assert (part / "case-001").is_dir()
+    assert source._begin(part, {"cases": 3}, "two") is None
+    assert not (part / "case-001").exists()
+
+
 @pytest.mark.parametrize("at", ["rmdir", "rename"])
 def test_cut_off_while_it_is_put_into_its_place(at, tmp_path, monkeypatch):
     source = importlib.import_module("trials.make")
