@@ -18,7 +18,9 @@ def test_score_and_tables(trial, tmp_path, capsys):
     words = [str(root), "--cases", "7", "--quick", "--markdown", str(page)]
     assert study.main(words) == 0
     assert json.loads((root / "score.json").read_text())["cases"] == 7
-    told = capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "goes on with the cases, rigs and seed that it was made with" in said.err
+    told = said.out
     lines = page.read_text().splitlines()
     for words in ("false alarms, nothing hidden", "motor_stall", "by effect, alone in its rig"):
         assert words in told
@@ -27,7 +29,7 @@ def test_score_and_tables(trial, tmp_path, capsys):
     widths = [line.count("|") for line in lines]
     for before, after in itertools.pairwise(widths):
         assert not (before and after) or before == after
-    assert "seed 0" in lines[-1]
+    assert "seed 5" in lines[-1]  # that of the trial, which was there already
 
 
 def test_a_page_that_cannot_be_written_is_told_of_first(tmp_path, capsys):
