@@ -62,6 +62,14 @@ def test_a_size_is_an_interval_without_zero(sized, size, how, there):
     assert sized("bearing_drag", size, sd=[0.08], **how) == there
 
 
+@pytest.mark.parametrize(("rise", "there"), [(900.0, True), (2.0, False)])
+def test_a_size_at_its_upper_bound_is_asked_by_what_it_takes(sized, monkeypatch, rise, there):
+    """Dahl's law at a = 1 is pure bristles, the strongest there is."""
+    monkeypatch.setattr(acceptance, "wald", lambda result, variant: rise)
+    bound = ["bearing_presliding.a"]
+    assert sized("bearing_presliding", 1.0, sd=[0.01], bound=bound) is there
+
+
 def test_two_amplitudes_are_asked_together(sized):
     assert sized("column_tilt", 0.01, 0.3, sd=[0.1, 0.1])
     assert not sized("column_tilt", 0.1, 0.1, sd=[0.1, 0.1])
@@ -116,10 +124,20 @@ def test_a_last_cause_is_held_against_the_causes_that_stand_beside_it(
     rounds = (taken(first), taken(first, "sensor1_nonlinearity"))
     found = result("drive_frequency", "sensor1_nonlinearity")
     again = result("drive_frequency", fit=standing_in(Fit))
-    monkeypatch.setattr(acceptance, "_predicts_worse", lambda *_: True)
+    sharpened = []
+
+    def sharp(setting, result):
+        sharpened.append(result)
+        return result
+
+    def worse(setting, before, *_):
+        assert sharpened[-1] is before  # both have the friction of the final model
+        return True
+
+    monkeypatch.setattr(acceptance, "_predicts_worse", worse)
     monkeypatch.setattr(acceptance, "without", lambda setting, result, gone: again)
     monkeypatch.setattr(acceptance, "polish", lambda setting, result: result)
-    monkeypatch.setattr(acceptance, "refit_with_sharp_friction", lambda setting, result: result)
+    monkeypatch.setattr(acceptance, "refit_with_sharp_friction", sharp)
     ending = lambda choice, final: standing_in(Choice, rounds=rounds, final=final)  # noqa: E731
     monkeypatch.setattr(acceptance, "_ending", ending)
     begun = standing_in(Choice, rounds=rounds, final=found)

@@ -17,7 +17,7 @@ from tp_jax.estimation.layout import Values
 from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import detectability
-from tp_jax.gap.backward import without
+from tp_jax.gap.backward import wald, without
 from tp_jax.gap.choice import Choice, tied_by_gain
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.free_run import free_runs, start_state
@@ -44,11 +44,12 @@ def without_harm(
     dropped: list[str] = []
     while len(choice.final.ids) > 1:
         last = choice.final.variants[-1]
-        before = _before(setting, choice, last)
+        # with the same friction as the final model, or a smoother one would count as a worse one
+        before = refit_with_sharp_friction(setting, _before(setting, choice, last))
         if not _predicts_worse(setting, before, choice.final, horizon):
             break
         dropped.append(last.effect.id)
-        choice = _ending(choice, refit_with_sharp_friction(setting, before))
+        choice = _ending(choice, before)
     return choice, tuple(dropped)
 
 
@@ -159,6 +160,10 @@ def has_size(setting: PreparedCampaign, result: Refit, id: str) -> bool:
     if not own:
         return True
     free = [i for i in own if not fit.at_bound[i]]
+    # an amplitude that its own upper bound holds is as far from zero as it can be
+    if any(fit.at_bound[i] and fit.values.pick([fit.unknowns[i]])[0] != 0.0 for i in own):
+        variant = next(v for v in result.variants if v.effect.id == id)
+        return bool(wald(result, variant) > tails.chi_square_level(LEVEL, len(own)))
     if not free:
         return False
     every, dof = covariance(fit, setting)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tp_jax import _tails as tails
 from tp_jax.estimation.assemble import fit_record
 from tp_jax.estimation.intervals import correlations, intervals
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
@@ -25,6 +26,7 @@ from tp_jax.gap.free_structure import free_structure
 from tp_jax.gap.held_out import (
     HeldOut,
     Shrink,
+    common_horizon,
     evaluate,
     expected_elsewhere,
     floor_error,
@@ -33,11 +35,13 @@ from tp_jax.gap.held_out import (
 from tp_jax.gap.location import locate
 from tp_jax.gap.misfit import excess
 from tp_jax.gap.notes import beyond_its_range, elsewhere, notes, why_no_cause
+from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
 from tp_jax.gap.relative import centred, told
 from tp_jax.gap.screen import screen
 from tp_jax.gap.series import curves, recordings, residuals
 from tp_jax.gap.structure import structure_test
+from tp_jax.gap.unpredicted import unpredicted
 from tp_jax.gap.verdict import Evidence, combined, verdict
 from tp_jax.results.diagnosis import (
     VERSION,
@@ -60,7 +64,7 @@ def assemble(
     more: Sequence[str] = (),
 ) -> DiagnosisRecord:
     """The result as `diagnosis.json` has it, without its provenance; `more`: notes at its end."""
-    horizon = _common_horizon(setting, choice.baseline.problem.windows.horizon)
+    horizon = common_horizon(setting, choice.baseline.problem.windows.horizon)
     choice, dropped = without_harm(setting, choice, horizon)
     choice, probabilities, doubts = without_doubt(setting, choice, horizon)
     baseline, final = choice.baseline, choice.final
@@ -83,6 +87,12 @@ def assemble(
     after_rest = free_structure(setting, final.fit) if final.ids else before_rest
     structure_p = combined(first.structure.p, before_rest.p, beyond)
     structure_p = min(choice.looks * structure_p, 1.0)
+    # what the fitted recordings do not show the held-out ones may
+    apart = unpredicted(setting, baseline, before) if before.complete else 0.0
+    seen_apart = structure_p >= POLICY.structure.alarm and apart > POLICY.structure.unpredicted
+    there_alone = seen_apart and not final.ids
+    if seen_apart:
+        structure_p = float(tails.normal(apart))
     structure_p_after = structure_p
     if final.ids:
         left = excess(setting, final.fit, least)
@@ -141,8 +151,10 @@ def assemble(
         before.complete and after.complete,
         worse or dropped,
         doubts,
+        there_alone,
     )
-    where = () if no_gap else locate(choice, setting, seed)
+    # of what no fitted recording shows no place was asked
+    where = () if no_gap or there_alone else locate(choice, setting, seed)
     said += elsewhere(where, final)
     said += beyond_its_range(setting, final, after.fit)
     labels = [r.label for r in setting.recordings]
@@ -176,6 +188,7 @@ def assemble(
                 LackOfFits(before_rest, after_rest) if ids else LackOfFits(before_rest)
             ),
             excess_z=beyond,
+            unpredicted=there_alone and not no_gap,
             tolerance=tolerance,
             rejected=(*worse, *dropped, *doubts.gone),
             chi2_dof=Misfits(baseline.chi2_dof, final.fit.chi2_dof),
@@ -247,8 +260,3 @@ def _evidence(
         beyond(left, free_after),
         worse,
     )
-
-
-def _common_horizon(setting: PreparedCampaign, horizon: float) -> float:
-    longest = max(setting.recordings[i].duration for i in setting.held_out)
-    return float(min(horizon, longest))

@@ -20,8 +20,9 @@ from tp_jax.gap.applicability import check_known, check_predictable
 from tp_jax.gap.assemble import assemble
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.known_noise import choose_under_noise
-from tp_jax.gap.notes import held_out_instead
+from tp_jax.gap.notes import held_out_instead, unpredicted_fitted
 from tp_jax.gap.predict import found_pendulum, predict
+from tp_jax.gap.unpredicted import better_held_out
 from tp_jax.gap.visited import inside_of_others
 from tp_jax.model.pendulum import AbstractTorsionPendulum
 from tp_jax.recordings import Campaign, hold_out
@@ -206,10 +207,13 @@ def examine(
         # of one or two recordings a part is held out, and there is no other
         whole = not given.held_out and len(given.recordings) > 2
         other = inside_of_others(setting, choice.final) if whole else None
+        why = held_out_instead
+        if whole and other is None:
+            other, why = better_held_out(setting, choice), unpredicted_fitted
         if other is not None:
             first, campaign = campaign.held_out[0].name, hold_out(given, other)
             now = campaign.held_out[0].name
-            more = (held_out_instead(first, now),)
+            more = (why(first, now),)
             progress(f"beginning anew, with {now} held out", None)
             setting, choice = _chosen(campaign, model, seed, without, progress, gap=True)
         progress("reading the held-out recordings", None)

@@ -229,6 +229,12 @@ def expected_squares(result: Fit) -> tuple[np.ndarray, np.ndarray]:
     return np.maximum(mean, 0.0), np.maximum(square, 0.0)
 
 
+def common_horizon(setting: PreparedCampaign, horizon: float) -> float:
+    """Length [s] of the held-out windows: that of a fit's, or of the longest such recording."""
+    longest = max(setting.recordings[i].duration for i in setting.held_out)
+    return float(min(horizon, longest))
+
+
 def floor_error(setting: PreparedCampaign) -> float:
     """Relative standard error of the noise's variance, which is an estimate from the samples."""
     samples = sum(setting.recordings[i].n for i in setting.fitted)

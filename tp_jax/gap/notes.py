@@ -29,6 +29,7 @@ def notes(
     complete: bool,
     worse: Sequence[str] = (),
     doubts: Doubts | None = None,
+    there_alone: bool = False,
 ) -> list[str]:
     """Returns what to know in addition to the numbers, a sentence or two each.
 
@@ -37,6 +38,7 @@ def notes(
         complete: whether the models could be integrated through all held-out windows.
         worse: ids of causes with which the held-out recordings are predicted worse.
         doubts: effects that were chosen and are not certain enough to be causes.
+        there_alone: whether a gap shows in the held-out recordings and in no fitted one.
     """
     said = []
     if setting.campaign.B1 is None:
@@ -98,6 +100,13 @@ def notes(
     elif word == "unknown" and final.ids:
         said.append("What is named holds part of the gap; what stays is structured still.")
         said += _likeness(anything)
+    elif word == "unknown" and there_alone:
+        names = ", ".join(setting.recordings[i].name for i in setting.held_out)
+        said.append(
+            f"The fitted recordings leave noise alone, but {names} is not predicted within the "
+            "errors of the fitted numbers. What is missing shows there alone, so no effect could "
+            "be asked: mark another recording as held out, or record more runs like it."
+        )
     elif word == "unknown":
         said.append("No effect of the catalogue explains the gap.")
         said += _likeness(anything)
@@ -162,6 +171,14 @@ def held_out_instead(before: str, now: str) -> str:
     return (
         f"{now} is held out, not {before}: {before} goes further than all others, and a curve that "
         "was learned from those at first said nothing about it."
+    )
+
+
+def unpredicted_fitted(before: str, now: str) -> str:
+    """Says that another recording is held out, since the first showed what the others do not."""
+    return (
+        f"{now} is held out, not {before}: the others left nothing but noise and did not predict "
+        f"{before}, so what is missing shows there, and it had to be fitted to ask for a cause."
     )
 
 

@@ -95,6 +95,10 @@ class StructurePolicy:
             readings are coarse. Their noise is drawn as it is, its size and what of it repeats, so
             that more says that something else is there. On rigs with nothing hidden it is 1 to 7;
             a hysteresis that took 2,600 of a sum of squares passed for rounding at 39.
+        unpredicted: standard errors by which held-out recordings may exceed noise and the errors of
+            the fitted numbers, where the fitted ones show no structure. Those errors are of a
+            linearised model, so that only plain contradictions count: a spring that hardens by a
+            thirtieth, seen in two runs of like amplitude, left the third at twenty.
         squares: times that a sum of squares is drawn where readings are coarse, for its scatter: a
             tenth or two of itself where bodies come to rest on few steps. It is then known to an
             eighth.
@@ -107,6 +111,7 @@ class StructurePolicy:
     misfit: float = 0.03
     colour: float = 0.3
     rounding: float = 10.0
+    unpredicted: float = 5.0
     squares: int = 30
 
     @property

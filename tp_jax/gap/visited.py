@@ -77,20 +77,27 @@ def inside_of_others(setting: PreparedCampaign, final: Refit) -> int | None:
     beyond = POLICY.learning.elsewhere
     if _outside(setting, final.fit, asked, now, setting.fitted) <= beyond:
         return None
-
-    def order(i: int) -> tuple[bool, float, int]:
-        r, held = setting.recordings[i], setting.recordings[now]
-        apart = abs((r.omega or 0.0) - (held.omega or 0.0))
-        return r.forced != held.forced, apart, i
-
-    for other in sorted(setting.fitted, key=order):
-        rest = [i for i in setting.fitted if i != other]
-        forced = [i for i in rest if setting.recordings[i].forced]
-        last_forced = setting.recordings[other].forced and not forced
-        rest.append(now)
-        if not last_forced and _outside(setting, final.fit, asked, other, rest) <= beyond:
+    for other in in_its_place(setting):
+        rest = [*(i for i in setting.fitted if i != other), now]
+        if _outside(setting, final.fit, asked, other, rest) <= beyond:
             return other
     return None
+
+
+def in_its_place(setting: PreparedCampaign) -> list[int]:
+    """Recordings that may be held out in place of the one that is, the likest in frequency first.
+
+    A forced run is among them only if another forced one stays fitted.
+    """
+    (now,) = setting.held_out
+    held = setting.recordings[now]
+
+    def order(i: int) -> tuple[bool, float, int]:
+        r = setting.recordings[i]
+        return r.forced != held.forced, abs((r.omega or 0.0) - (held.omega or 0.0)), i
+
+    forced = [i for i in setting.fitted if setting.recordings[i].forced]
+    return [i for i in sorted(setting.fitted, key=order) if forced != [i]]
 
 
 def _outside(

@@ -110,6 +110,8 @@ def sentences(found: Found) -> Verdict:
 
 
 def _where(diagnosis: DiagnosisRecord) -> str:
+    if not diagnosis.where and diagnosis.gap.unpredicted:
+        return f"The gap shows in {words.listed([*diagnosis.gap.held_out])} alone."
     if not diagnosis.where:
         return "The diagnosis could not say where the gap lies."
     first = diagnosis.where[0]
@@ -133,6 +135,11 @@ def _what(diagnosis: DiagnosisRecord) -> str:
     causes, explained = diagnosis.accepted, diagnosis.verdict == "explained"
     if not causes and explained:
         return "The diagnosis does not name the cause."
+    if not causes and diagnosis.gap.unpredicted:
+        return (
+            "What is missing shows in the held-out recordings alone, which the fitted ones do not "
+            "predict; no cause can be asked for until some of them are fitted."
+        )
     if not causes:
         return (
             "No effect of the catalogue explains it well enough to be named; the cause may lie "

@@ -87,6 +87,8 @@ class Gap(Record):
         removable_significant: whether the gap stands out from the noise floor.
         structure_p, structure_p_after: of the tests of structure, before and after.
         excess_z: standard errors by which the misfit exceeds the floor.
+        unpredicted: whether the gap shows in held-out recordings alone: fitted ones leave nothing
+            but noise, and do not predict them; `structure_p` is of that test then.
         tolerance: root mean square [rad] below which a gap does not count.
         rejected: ids of effects that were chosen and are no causes.
     """
@@ -103,6 +105,7 @@ class Gap(Record):
     structure_p_after: float | None = None
     free_structure: LackOfFits = LackOfFits()
     excess_z: float | None = None
+    unpredicted: bool = False
     tolerance: float | None = None
     rejected: tuple[str, ...] = ()
     chi2_dof: Misfits = Misfits()
