@@ -27,3 +27,17 @@ def test_what_the_recordings_do_not_tell_is_not_identified():
     low, high = after["M1"]["ci95"]
     assert high - low > 100.0 * np.diff(before["M1"]["ci95"])[0]
     assert after["k"]["identifiable"]
+
+
+def test_an_interval_of_a_value_beyond_the_usual_bounds_holds_it():
+    """`--bound` may be wider than the usual one, and a shape constant goes beyond its grid."""
+    setting = prepare_campaign(synthetic_campaign(duration=2.0), effects=())
+    problem = setting.problem(setting.horizons[-1])
+    found = fit(problem, synthetic_values(setting), setting.unknowns(), max_iterations=1)
+    free = np.zeros(len(found.unknowns), bool)
+    for name, value in (("T0", 2000.0), ("k", 1e5)):
+        moved = dataclasses.replace(
+            found, values=found.values.replace({name: value}), at_bound=free
+        )
+        low, high = intervals(moved, setting)[name]["ci95"]
+        assert low <= value <= high

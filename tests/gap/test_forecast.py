@@ -11,6 +11,7 @@ from tp_jax.estimation.linearisation import Linearisation
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
+from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.forecast import Alternative, _left, forecasts, natural_frequency
 from tp_jax.gap.next_run import NOTHING, Run
 from tp_jax.gap.refit import Refit
@@ -94,8 +95,8 @@ def test_angles_come_true_and_no_run_tells_a_model_from_itself(tmp_path):
     make_campaign(folder, BENCH, {"contact_stribeck": 0.5}, runs=3, duration=DURATION, seed=4)
     setting = prepare_campaign(hold_out(load_campaign(folder)))
     fit = fit_over_schedule(setting, initial_values(setting), setting.unknowns())
-    first = types.SimpleNamespace(before=fit, refits={})
-    choice = types.SimpleNamespace(rounds=(first,), causes=(), final=Refit(fit, ()))
+    first = standing_in(Round, before=fit, refits={})
+    choice = standing_in(Choice, rounds=(first,), causes=(), final=Refit(fit, ()))
     found = forecasts(setting, choice, None, (NOTHING,), RUNS, DURATION, None)
     assert [f.run for f in found] == list(RUNS)
     for forecast in found:

@@ -45,6 +45,23 @@ def test_a_fitted_run_starts_from_its_angles_not_from_its_readings(folder):
     np.testing.assert_allclose(run.phi1, data.phi1[:126], atol=2e-2)
 
 
+@pytest.mark.parametrize(
+    ("measured", "changes", "kind"), [(False, {"A": 0.0}, "commanded"), (True, {}, "measured")]
+)
+def test_a_drive_that_no_fitted_recording_had_is_not_predicted(tmp_path, measured, changes, kind):
+    """As an undriven rig it would hardly move, and nobody would know why."""
+    run = synthetic_campaign(1e-5).recordings[1]
+    columns = [run.t, run.phi1, run.phi2, *([np.sin(13.0 * run.t)] if measured else [])]
+    header = ",".join(["t", "phi1", "phi2", "drive"][: len(columns)])
+    rows = [",".join(f"{x:.9g}" for x in row) for row in zip(*columns, strict=True)]
+    (tmp_path / "run.csv").write_text("\n".join([header, *rows]) + "\n")
+    how = 'drive = "measured"' if measured else "omega = 13.09"
+    entry = f'[[recording]]\nfile = "run.csv"\nforced = true\n{how}\n'
+    (tmp_path / "campaign.toml").write_text(f'name = "later"\n{entry}', encoding="utf-8")
+    with pytest.raises(InputError, match=f"run.csv has a {kind} drive, .* knows nothing"):
+        tp.predict(diagnosis_of(**changes), recording=tmp_path / "run.csv")
+
+
 def test_a_start_that_lies_within_the_run_is_led_back_to_its_beginning(folder):
     """Of samples that were means of several, the first lies half of them later."""
     data = tp.load_campaign(folder).recordings[0]

@@ -86,7 +86,9 @@ def intervals(fit: Fit, setting: PreparedCampaign) -> dict[str, dict]:
             low, high = value * np.exp(-half), value * np.exp(half)
         else:
             low, high = value - t * sd, value + t * sd
-        low, high = max(low, spec.lower), min(high, spec.upper)
+        # a shape constant may lie beyond its grid, and a bound that was given beyond the usual one
+        low = max(low, spec.lower) if value >= spec.lower else low
+        high = min(high, spec.upper) if value <= spec.upper else high
         size = abs(value) if u.name not in ("phase", "zero1", "level", "preload") else spec.typical
         prior = with_prior.get(u)
         held = prior is not None and sd > 0.5 * prior.sd * spec.slope(value)

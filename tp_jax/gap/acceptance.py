@@ -219,6 +219,8 @@ def free_errors(
 ) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray] | None]:
     """Start states and free runs of the held-out recordings, by numbers that are theirs too."""
     which = list(setting.held_out)
+    # windows of decays may have grown to most of a run, of which a free run is to be predicted
+    horizon = min(horizon, setting.horizons[-1])
     starts = {i: start_state(setting, values, i, horizon) for i in which}
     if not which:
         return starts, None

@@ -75,6 +75,7 @@ def assemble(
         id: evaluate(setting, r.fit.values, horizon, [v.effect for v in r.variants])
         for id, r in singles.items()
     }
+    alone = {**held}  # with the friction that refits have
     after = before
     if final.ids:
         after = evaluate(setting, final.fit.values, horizon, [v.effect for v in final.variants])
@@ -199,7 +200,7 @@ def assemble(
             choice,
             final,
             begun,
-            held,
+            alone,
             shrinks,
             total,
             probabilities,

@@ -15,7 +15,11 @@ from tp_jax.estimation.windows import Prepared, cut
 from tp_jax.gap.screen import Scored
 from tp_jax.results.diagnosis import NextExperiment
 
-DURATION = 10.0  # s
+DURATION = 10.0
+"""Length of a run that is proposed [s], at least."""
+
+PERIODS = 10.0
+"""Periods of the motion that it has at least: less tells little of a slow rig."""
 
 
 def rehearsal(
@@ -24,15 +28,17 @@ def rehearsal(
     """Makes problems of runs that were not made: from their readings, windows as those of a fit.
 
     Args:
-        setting: whose sampling, noise and programs they have. fit: whose windows are as long.
+        setting: whose programs they have, and of whose first fitted recording the sampling and the
+            noise. fit: whose windows are as long.
         duration: of every run [s].
 
     Returns:
         readings (n, 2) [rad] of each run, None: zeros -> a `Problem` of those runs.
     """
-    step = float(np.median(np.diff(setting.prepared[0].t)))
+    like = setting.prepared[setting.fitted[0]]
+    step = float(np.median(np.diff(like.t)))
     t = np.arange(0.0, duration + 0.5 * step, step)
-    sd = np.concatenate([np.tile(setting.sigma, (t.size, 1)), np.ones((t.size, 2))], axis=1)
+    sd = np.concatenate([np.tile(like.sigma, (t.size, 1)), np.ones((t.size, 2))], axis=1)
 
     def problem_of(readings: Sequence[np.ndarray | None]) -> Problem:
         prepared = []
@@ -40,7 +46,8 @@ def rehearsal(
             y = np.zeros((t.size, 2)) if given is None else given
             smooth = np.concatenate([y, np.gradient(y, t, axis=0)], axis=1)
             channels = np.array([True, setting.rider])
-            prepared.append(Prepared(t, y, channels, smooth, sd, None, sigma=setting.sigma))
+            noise = dict(sigma=like.sigma, colour=like.colour)
+            prepared.append(Prepared(t, y, channels, smooth, sd, None, **noise))
         windows = cut(prepared, fit.problem.windows.horizon)
         capacity = room(windows, setting.capacity)
         return Problem(
@@ -60,16 +67,18 @@ def propose(setting: PreparedCampaign, fit: Fit, a: Scored, b: Scored) -> NextEx
     omegas = [r.omega for r in setting.recordings if r.forced and r.omega]
     if not setting.sine or not omegas:
         return None
-    grid = np.unique(np.round(np.linspace(0.7 * min(omegas), 1.15 * max(omegas), 6), 2))
+    asked = np.linspace(0.7 * min(omegas), 1.15 * max(omegas), 6)
+    grid = np.unique([float(f"{omega:.4g}") for omega in asked])
+    duration = max(DURATION, float(f"{PERIODS * setting.period:.2g}"))
     table = []
     for omega in grid:
         column = fit.values.table[:, setting.fitted[-1]].copy()
         index = setting.layout.index
         column[index["omega"]], column[index["running"]], column[index["metered"]] = omega, 1.0, 0.0
-        column[index["drift_middle"]], column[index["drift_rate"]] = 0.5 * DURATION, 1.0 / DURATION
+        column[index["drift_middle"]], column[index["drift_rate"]] = 0.5 * duration, 1.0 / duration
         table.append(column)
     values = Values(setting.layout, np.array(table).T)
-    problem_of = rehearsal(setting, fit, DURATION)
+    problem_of = rehearsal(setting, fit, duration)
     nothing = problem_of([None] * grid.size)
     problem = problem_of(nothing.follow(values, range(grid.size), np.zeros((grid.size, 4))))
     windows = problem.windows
@@ -105,7 +114,7 @@ def propose(setting: PreparedCampaign, fit: Fit, a: Scored, b: Scored) -> NextEx
     return NextExperiment(
         omega=float(grid[best]),
         forced=True,
-        duration=DURATION,
+        duration=duration,
         separates=(a.id, b.id),
         expected_sigma=sigmas[best],
     )

@@ -190,8 +190,9 @@ def _coarse(setting: PreparedCampaign) -> set[int]:
     return {
         c
         for c, name in enumerate(CHANNELS)
-        for r in (setting.recordings[i] for i in setting.fitted)
-        if name in r.channels and steps_hide(r.channels[name], setting.noise[name])
+        for i in setting.fitted
+        if (readings := setting.recordings[i].channels.get(name)) is not None
+        and steps_hide(readings, setting.levels[i, c])
     }
 
 

@@ -206,6 +206,16 @@ def _of_recording(diagnosis, record, file: Path, duration, rate) -> Trajectory:
             f"{file.name} has a measured drive up to {data.t[-1]:g} s, ask for no more than that."
         )
     sine = data.forced and not data.measured_drive
+    # a diagnosis of decays alone has no amplitude, one without a measured drive no gain
+    known = (
+        record["nuisances"].get("gain") if data.measured_drive else record["parameters"].get("A")
+    )
+    if data.forced and not known:
+        kind = "a measured" if data.measured_drive else "a commanded"
+        raise InputError(
+            f"{file.name} has {kind} drive, of which the diagnosis knows nothing, since none of "
+            "its recordings had one; diagnose again with such a recording."
+        )
     drive = drive_for(record, omega=data.omega if sine else None, t=data.t, reading=data.drive)
     drift = (record.get("drift") or {}).get(data.label) or data.drift
     middle, rate = drift

@@ -59,7 +59,8 @@ def causes(
 
     Args:
         setting, choice, final: the campaign, the choice, and the model with the causes.
-        begun: held-out windows where refits began. held, shrinks: by effect, added alone.
+        begun: held-out windows where refits began. held: those of each effect added alone, with the
+            same friction. shrinks: by effect, added alone.
         total: of all causes. probabilities: by effect. horizon: of windows [s]. seed: of `shrink`.
         least: noise floor. unnamed: effects that the model keeps, and that are no causes.
     """
