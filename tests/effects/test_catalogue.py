@@ -126,7 +126,7 @@ def test_amplitudes_and_shapes_are_sound(effect):
 
 @every_effect
 def test_needs_follow_from_what_it_is(effect):
-    assert effect.needs <= {"rider", "sine", "measured", "several", "inertias"}
+    assert effect.needs <= {"rider", "sine", "measured", "commanded", "several", "inertias"}
     about_phi2 = effect.hook in ("contact", "sensor2")
     assert ("rider" in effect.needs) == (about_phi2 or effect.id == "reaction_factor")
     if effect.id == "reaction_factor":

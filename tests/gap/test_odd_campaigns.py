@@ -111,6 +111,16 @@ def test_a_drive_of_which_nothing_is_known(drive):
         check_predictable(setting)
 
 
+def test_a_clock_is_not_asked_about_where_a_drive_is_read_by_it():
+    """Its readings have the recorder's own times, whatever that clock does."""
+    skew = catalogue()["clock_skew"]
+    assert why_not(skew, prepare_campaign(synthetic_campaign(), effects=[skew])) is None
+    r = synthetic_campaign().recordings[2]
+    read = {"omega": None, "drive": np.sin(17.0 * r.t)}
+    mixed = prepare_campaign(campaign_of({}, {}, read), effects=[skew])
+    assert "no drive is measured" in why_not(skew, mixed)
+
+
 def test_an_effect_that_was_ruled_out_is_not_asked_about():
     base, tilt = catalogue()["base_compliance"], catalogue()["column_tilt"]
     setting = prepare_campaign(synthetic_campaign(), effects=[base, tilt], without=["column_tilt"])

@@ -97,8 +97,8 @@ class Effect:
             sensor1 [rad], sensor2 [rad].
         amplitudes, shapes: see `Amplitude` and `Shape`.
         needs: conditions a campaign must meet: "rider" (two angles), "sine" (a commanded drive),
-            "measured" (a measured drive), "several" (more than one recording), "inertias" (B1 and
-            B2 given).
+            "measured" (a measured drive), "commanded" (no measured one), "several" (more than one
+            recording), "inertias" (B1 and B2 given).
         uses_phi1: the increment depends on phi1 itself, so that its zero matters beyond the rest
             position; a nuisance where the drive is measured (with a sine it is one anyway).
         uses_winding: the increment depends on the spring's winding itself, so that it matters where

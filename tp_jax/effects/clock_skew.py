@@ -10,7 +10,8 @@ class ClockSkew(Effect):
     location = "clock"
     hook = "clock"
     amplitudes = (Amplitude("a", "1", typical=0.01),)
-    needs = frozenset({"sine"})
+    # readings of a drive have the recorder's own times, which no clock of the motor's contradicts
+    needs = frozenset({"sine", "commanded"})
     formula = "recorded t = (1 + a) true t"
     source = "crystal oscillators, RC oscillators of small controllers"
     looks_like = "an error that grows with time in forced runs"

@@ -20,6 +20,8 @@ def conditions(setting: PreparedCampaign) -> frozenset[str]:
         met.add("sine")
     if any(setting.recordings[i].measured_drive for i in setting.fitted):
         met.add("measured")
+    if not any(r.measured_drive for r in setting.recordings):
+        met.add("commanded")
     if len(setting.fitted) > 1:
         met.add("several")
     if setting.campaign.B1 is not None and "B2" in setting.fixed:
@@ -77,6 +79,7 @@ def why_not(effect: Effect, setting: PreparedCampaign) -> str | None:
         "rider": "it needs the angle of a rider",
         "sine": "it needs a commanded sine drive",
         "measured": "it needs a measured drive",
+        "commanded": "it needs that no drive is measured",
         "several": "it needs more than one recording",
         "inertias": "it needs B1 and B2 from elsewhere",
     }
