@@ -187,8 +187,9 @@ def candidates(
 def detectable(choice: Choice) -> dict[str, Size]:
     """From the last screen, whose residuals are nearest to the noise.
 
-    Of a cause, at the shape constants of the grid that fit best. Of other effects nobody knows them,
-    and those at which noise is fitted best may show a size that others hide: the middle size counts.
+    Of a cause, at the shape constants of the grid that fit best. Of other effects nobody knows
+    them, and those at which noise is fitted best may show a size that others hide: the middle size
+    counts.
     """
     last, first = choice.rounds[-1], choice.rounds[0]
     formulas = [s for s in first.screen.best() if not isinstance(s.variant.effect, Law)]
