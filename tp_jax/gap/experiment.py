@@ -46,8 +46,9 @@ def rehearsal(
             y = np.zeros((t.size, 2)) if given is None else given
             smooth = np.concatenate([y, np.gradient(y, t, axis=0)], axis=1)
             channels = np.array([True, setting.rider])
-            noise = dict(sigma=like.sigma, colour=like.colour)
-            prepared.append(Prepared(t, y, channels, smooth, sd, None, **noise))
+            prepared.append(
+                Prepared(t, y, channels, smooth, sd, None, sigma=like.sigma, colour=like.colour)
+            )
         windows = cut(prepared, fit.problem.windows.horizon)
         capacity = room(windows, setting.capacity)
         return Problem(

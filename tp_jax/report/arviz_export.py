@@ -73,7 +73,8 @@ def to_arviz(
     B1 = (parameters.get("B1") or {}).get("value") or 1.0
     posterior = {}
     for i, (name, p) in enumerate(known.items()):
-        drawn = _drawn(p["value"], *p["ci95"], z[:, i], BY_NAME.get(name), B1)
+        low, high = p["ci95"]
+        drawn = _drawn(p["value"], low, high, z[:, i], BY_NAME.get(name), B1)
         posterior[name] = drawn.reshape(chains, draws)
     constant = {
         name: np.array(float(p["value"]))
