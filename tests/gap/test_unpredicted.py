@@ -14,13 +14,16 @@ from tests.standing_in import standing_in
 from tp_jax.estimation.prepared_campaign import prepare_campaign
 from tp_jax.estimation.schedule import fit_over_schedule
 from tp_jax.estimation.start import initial_values
+from tp_jax.estimation.variable_projection import fit as fit_windows
 from tp_jax.gap.choice import Choice
 from tp_jax.gap.held_out import common_horizon, evaluate
+from tp_jax.gap.misfit import noise_of_squares
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.refit import Refit
 from tp_jax.gap.unpredicted import better_held_out, unpredicted
 from tp_jax.gap.visited import in_its_place
 from tp_jax.recordings import Campaign, hold_out
+from tp_jax.recordings.entries import Known
 from tp_jax.rig import BENCH, VirtualRig
 
 LIMIT = POLICY.structure.unpredicted
@@ -109,3 +112,15 @@ def test_where_the_campaign_says_what_is_held_out_it_is_told():
     assert "shows in the held-out recordings alone" in found.summary()
     assert any("mark another recording as held out" in note for note in found.notes)
     assert not tp.diagnose(recorded({})).gap.unpredicted
+
+
+@pytest.mark.parametrize("k", [None, Known(0.455, 1e-4)])
+def test_it_is_what_a_fit_to_all_recordings_would_add(k):
+    """Also where something known beforehand, here the stiffness, pulls against the data."""
+    setting, fit, held = fitted(dataclasses.replace(recorded({}), k=k))
+    every = setting.problem(fit.problem.windows.horizon, range(3))
+    joint = fit_windows(every, fit.values, fit.unknowns, priors=fit.priors)
+    n = held.fit.problem.degrees_of_freedom(0)
+    expected, error = noise_of_squares(setting, fit, n)
+    added = (joint.cost - fit.cost) / n
+    assert unpredicted(setting, fit, held) == pytest.approx((added - expected) / error, rel=0.1)

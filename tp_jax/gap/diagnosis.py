@@ -161,8 +161,8 @@ def diagnose(
             be predicted, there is no effect of such an id, or there is nothing to resume.
 
     Returns:
-        A `Diagnosis`. The choice of causes uses the fitted recordings alone; the held-out ones
-        are read once, after it.
+        A `Diagnosis`. The search for causes uses the fitted recordings alone. The held-out ones are
+        read after it; they may take causes out, or show that another one is to be held out.
     """
     return examine(
         campaign,

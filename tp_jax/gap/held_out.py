@@ -1,6 +1,6 @@
 """The gap on held-out recordings: windowed errors, the part that is gone, its interval.
 
-Read once, after the choice of causes is made.
+Read after the search for causes; only `unpredicted` reads them in between, and fits them then.
 """
 
 import dataclasses

@@ -19,15 +19,24 @@ def excess(setting: PreparedCampaign, fit: Fit, least: Floor | None = None) -> f
         setting: the campaign. fit: at its optimum. least: the floor; None: the noise alone.
     """
     parts = np.zeros(0) if least is None else least.misfit
-    error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(fit.dof, 1)))
+    expected, error = noise_of_squares(setting, fit, fit.dof)
     error = np.hypot(error, np.sqrt(2.0 * np.sum(parts**2)))
-    # Of readings in coarse steps it depends on where on a step each body comes to rest.
-    expected, drawn = 1.0, drawn_squares(fit, setting, POLICY.structure.squares)
-    if drawn.size:
-        expected = max(float(drawn.mean()), 1.0)
-        error = np.hypot(error, drawn.std(ddof=1))
-    # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
     return float((fit.chi2_dof - expected - parts.sum()) / error)
+
+
+def noise_of_squares(setting: PreparedCampaign, fit: Fit, dof: float) -> tuple[float, float]:
+    """The mean square that noise alone leaves, in its own units, and its standard error.
+
+    Args:
+        setting: the campaign. fit: whose readings may be coarse. dof: squares in the mean.
+    """
+    error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(dof, 1.0)))
+    # Of readings in coarse steps it depends on where on a step each body comes to rest.
+    drawn = drawn_squares(fit, setting, POLICY.structure.squares)
+    if not drawn.size:
+        # Correlated residuals have fewer degrees of freedom; the floor's error dominates anyway.
+        return 1.0, float(error)
+    return max(float(drawn.mean()), 1.0), float(np.hypot(error, drawn.std(ddof=1)))
 
 
 def misfits(setting: PreparedCampaign, fit: Fit) -> bool:

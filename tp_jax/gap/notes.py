@@ -104,8 +104,8 @@ def notes(
         names = ", ".join(setting.recordings[i].name for i in setting.held_out)
         said.append(
             f"The fitted recordings leave noise alone, but {names} is not predicted within the "
-            "errors of the fitted numbers. What is missing shows there alone, so no effect could "
-            "be asked: mark another recording as held out, or record more runs like it."
+            "errors of the fitted numbers. What is missing shows there alone, where no effect is "
+            "asked: mark another recording as held out, or record more runs like it."
         )
     elif word == "unknown":
         said.append("No effect of the catalogue explains the gap.")

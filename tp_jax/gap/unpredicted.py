@@ -20,9 +20,9 @@ from tp_jax.estimation.normal_equations import scaled_inverse
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import calibration
 from tp_jax.gap.choice import Choice
-from tp_jax.gap.held_out import HeldOut, common_horizon, evaluate, floor_error
+from tp_jax.gap.held_out import HeldOut, common_horizon, evaluate
+from tp_jax.gap.misfit import noise_of_squares
 from tp_jax.gap.policy import POLICY
-from tp_jax.gap.rounding import drawn_squares
 from tp_jax.gap.visited import in_its_place
 
 
@@ -30,7 +30,9 @@ def better_held_out(setting: PreparedCampaign, choice: Choice) -> int | None:
     """The recording to hold out instead of one that shows what the fitted ones do not.
 
     Where nothing is found in the fitted recordings and the held-out one is not predicted, it has
-    to be fitted, or no cause could be. None: that is not so, or there is no other to hold out.
+    to be fitted, or no cause could be. This reads the prediction of the recording that is held out,
+    which so becomes a fitted one; that of its successor is not read. None: that is not so, or there
+    is no other to hold out.
 
     Args:
         setting: the campaign. choice: of causes.
@@ -48,6 +50,8 @@ def better_held_out(setting: PreparedCampaign, choice: Choice) -> int | None:
 def unpredicted(setting: PreparedCampaign, fit: Fit, held: HeldOut) -> float:
     """Standard errors by which held-out windows exceed noise and the errors of the numbers.
 
+    Numbers at a bound may move too, on either side: that they cannot is no reason for a gap here.
+
     Args:
         setting: the campaign.
         fit: of the fitted recordings, at its optimum.
@@ -55,20 +59,16 @@ def unpredicted(setting: PreparedCampaign, fit: Fit, held: HeldOut) -> float:
     """
     there, unknowns = held.setting or setting, fit.unknowns
     g, H, cost = _quadratic(setting, fit, spread(fit.linearisation, unknowns))
-    own = fit.normal().information - fit.normal(()).information  # of the priors
-    u = len(unknowns)
-    H[:u, :u] += own
+    u, known = len(unknowns), fit.normal()
+    g[:u] += known.g - fit.normal(()).g  # the priors pull where the data pull against them
+    H[:u, :u] += np.diag(known.prior)
     H[u:, u:] += np.eye(len(H) - u)  # shapes of a calibration's error have a deviation of one
     lin = held.fit.problem.linearise(held.fit.values, held.fit.states, slots_of(unknowns))
     g_held, H_held, cost_held = _quadratic(there, held.fit, spread(lin, unknowns))
     before = cost - g @ scaled_inverse(H) @ g
     both = cost + cost_held - (g + g_held) @ scaled_inverse(H + H_held) @ (g + g_held)
     n = float(held.fit.problem.degrees_of_freedom(0))
-    drawn = drawn_squares(fit, setting, POLICY.structure.squares)
-    # of readings in coarse steps it depends on where on a step each body comes to rest
-    expected = max(float(drawn.mean()), 1.0) if drawn.size else 1.0
-    error = np.hypot(floor_error(setting), np.sqrt(2.0 / max(n, 1.0)))
-    error = np.hypot(error, drawn.std(ddof=1) if drawn.size else 0.0)
+    expected, error = noise_of_squares(setting, fit, n)
     return float(((both - before) / max(n, 1.0) - expected) / error)
 
 

@@ -85,10 +85,11 @@ class Gap(Record):
         shrink: the part of the removable gap that is gone; None where there is too little of it.
         horizon_s: length of the windows [s].
         removable_significant: whether the gap stands out from the noise floor.
-        structure_p, structure_p_after: of the tests of structure, before and after.
+        structure_p, structure_p_after: of the tests of structure, before and after; the first is of
+            the prediction of held-out recordings where that alone rejects.
         excess_z: standard errors by which the misfit exceeds the floor.
         unpredicted: whether the gap shows in held-out recordings alone: fitted ones leave nothing
-            but noise, and do not predict them; `structure_p` is of that test then.
+            but noise, do not predict them, and no cause was found.
         tolerance: root mean square [rad] below which a gap does not count.
         rejected: ids of effects that were chosen and are no causes.
     """
