@@ -71,6 +71,30 @@ def test_is_its_formula(effect, factor):
         np.testing.assert_allclose(rates, q.rate * np.array([q.v1, q.v2, q.a1, q.a2]), rtol=1e-9)
 
 
+DRY = {
+    "bearing_position": ("bearing_dry",),
+    "bearing_warmup": ("bearing_dry", "bearing_viscous"),
+    "contact_position": ("contact_dry",),
+    "contact_vibration": ("contact_dry",),
+    "contact_wear": ("contact_dry",),
+}
+
+
+@pytest.mark.parametrize("id", DRY)
+@pytest.mark.parametrize("factor", [-20.0, 20.0])
+def test_friction_never_drives(id, factor):
+    """Whatever a formula says, as on the rig: each amplitude is twenty times its typical size."""
+    effect = catalogue()[id]
+    values = sizes(effect, factor)
+    changes = []
+    for t, y in instants(30):
+        m = pendulum().motion(*at(t, y))
+        friction = sum(getattr(m, name) for name in DRY[id])
+        changes.append(float(effect.increment(m, **values) / friction))
+    assert min(changes) == pytest.approx(-1.0)
+    assert max(changes) > 1.0
+
+
 @every_effect
 def test_amplitude_zero_changes_nothing(effect):
     # not in the last digit: the motion that follows is then the same

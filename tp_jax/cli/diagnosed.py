@@ -80,5 +80,7 @@ def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> d
 
     examination = examine(campaign, **asked)
     found, seen = examination.diagnosis, examination.choice.rounds[0].screen
-    write(made_folder(folder) / SCREEN, rig_scores(folder.name, seen, found.causes, asked["seed"]))
+    unknown = campaign.B1 is None
+    scores = rig_scores(folder.name, seen, found.causes, asked["seed"], per_inertia=unknown)
+    write(made_folder(folder) / SCREEN, scores)
     return found.to_dict()

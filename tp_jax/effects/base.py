@@ -21,6 +21,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 
 from tp_jax.model.motion import Motion
@@ -51,6 +52,19 @@ HOOKS = (
     "sensor1",
     "sensor2",
 )
+
+
+FROZEN = -1.0
+"""Least value of a relative change of a friction: below, it would drive the motion."""
+
+
+def change_of_friction(x: Any) -> Any:
+    """Returns a relative change of a friction, that friction never drives the motion.
+
+    Args:
+        x: the change by a formula or a curve, which may go below `FROZEN`.
+    """
+    return jnp.maximum(x, FROZEN)
 
 
 @dataclasses.dataclass(frozen=True)

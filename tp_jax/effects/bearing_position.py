@@ -1,6 +1,6 @@
 """The bearing's dry friction depends on its angle."""
 
-from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.effects.base import Amplitude, Effect, Shape, change_of_friction
 from tp_jax.model.elementary import sine_cosine
 
 
@@ -24,4 +24,4 @@ class BearingPosition(Effect):
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""
         s, c = sine_cosine(n * m.phi1)
-        return m.bearing_dry * (a * c + b * s)
+        return m.bearing_dry * change_of_friction(a * c + b * s)

@@ -1,6 +1,6 @@
 """The bearing's friction drifts as it warms up."""
 
-from tp_jax.effects.base import Amplitude, Effect
+from tp_jax.effects.base import Amplitude, Effect, change_of_friction
 
 
 class BearingWarmup(Effect):
@@ -19,4 +19,4 @@ class BearingWarmup(Effect):
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""
-        return a * m.s * (m.bearing_dry + m.bearing_viscous)
+        return change_of_friction(a * m.s) * (m.bearing_dry + m.bearing_viscous)

@@ -1,6 +1,6 @@
 """The contact's dry friction depends on the rider's angle."""
 
-from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.effects.base import Amplitude, Effect, Shape, change_of_friction
 from tp_jax.model.elementary import sine_cosine
 
 
@@ -26,4 +26,4 @@ class ContactPosition(Effect):
     def increment(self, m, a, b, n):  # type: ignore[override]
         """See the class."""
         s, c = sine_cosine(n * m.phi2)
-        return m.contact_dry * (a * c + b * s)
+        return m.contact_dry * change_of_friction(a * c + b * s)

@@ -2,7 +2,7 @@
 
 import jax.numpy as jnp
 
-from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.effects.base import Amplitude, Effect, Shape, change_of_friction
 from tp_jax.model.elementary import sine_cosine
 
 
@@ -27,4 +27,4 @@ class ContactVibration(Effect):
     def increment(self, m, a, b, W):  # type: ignore[override]
         """See the class."""
         s, c = sine_cosine(2.0 * jnp.pi * W * m.t)
-        return m.contact_dry * (a * c + b * s)
+        return m.contact_dry * change_of_friction(a * c + b * s)

@@ -1,6 +1,6 @@
 """The contact's dry friction drifts within a recording."""
 
-from tp_jax.effects.base import Amplitude, Effect
+from tp_jax.effects.base import Amplitude, Effect, change_of_friction
 
 
 class ContactWear(Effect):
@@ -20,4 +20,4 @@ class ContactWear(Effect):
 
     def increment(self, m, a):  # type: ignore[override]
         """See the class."""
-        return m.contact_dry * a * m.s
+        return m.contact_dry * change_of_friction(a * m.s)

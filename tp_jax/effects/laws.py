@@ -24,7 +24,7 @@ from typing import Any
 
 import jax.numpy as jnp
 
-from tp_jax.effects.base import Amplitude, Effect, Shape
+from tp_jax.effects.base import Amplitude, Effect, Shape, change_of_friction
 from tp_jax.model.arrays import AnyArray
 from tp_jax.model.motion import Motion
 
@@ -32,9 +32,6 @@ DEGREE = 12
 """Degree of the polynomials: by least squares they follow a sine of two periods within .0014 of its
 size, and |x| within a twentieth at its kink, a hundredth on average. One call of the engine takes
 sixteen columns."""
-
-FROZEN = -1.0
-"""Least value of a relative change of a friction: below, it would drive the motion."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -213,7 +210,7 @@ def curve(x: Any, middle: Any, half: Any, coefficients: Sequence[Any] | AnyArray
 def _added(place: Place, m: Motion, y: Any) -> Any:
     """Returns what a curve adds at its hook."""
     y = place.size * y
-    return place.times(m) * (jnp.maximum(y, FROZEN) if place.friction else y)
+    return place.times(m) * (change_of_friction(y) if place.friction else y)
 
 
 _BOUND = 20.0

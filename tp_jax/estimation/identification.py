@@ -138,8 +138,8 @@ def warnings(fit: Fit, setting: PreparedCampaign, entries: dict[str, dict]) -> l
         found.append(_warning("ridge", [held, *partners], f"{text}."))
     if fit.chi2_dof > 1.2:
         text = (
-            f"The misfit is {fit.chi2_dof:.3g} times the noise: the model lacks something; run "
-            "`tp-jax diagnose`."
+            f"The misfit is {fit.chi2_dof**0.5:.3g} times the noise: the model lacks something; "
+            "run `tp-jax diagnose`."
         )
         found.append(_warning("misfit", [], text))
     if not fit.converged:

@@ -4,7 +4,8 @@ import numpy as np
 
 from tp_jax import _tails as tails
 from tp_jax.effects import Law
-from tp_jax.effects.laws import DEGREE, FROZEN, HALF, MIDDLE, curve
+from tp_jax.effects.base import FROZEN
+from tp_jax.effects.laws import DEGREE, HALF, MIDDLE, curve
 from tp_jax.estimation.fitted import Fit
 from tp_jax.estimation.intervals import covariance
 from tp_jax.estimation.layout import Unknown

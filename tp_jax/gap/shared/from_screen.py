@@ -7,11 +7,13 @@ import numpy as np
 from tp_jax.effects import Law
 from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.gap.screen import Scored, Screen
-from tp_jax.gap.shared.scores import RigScores, ScoredVariant
+from tp_jax.gap.shared.scores import RigScores, ScoredVariant, unit_of
 from tp_jax.gap.structure import dispersions, scores_of_noise
 
 
-def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigScores:
+def rig_scores(
+    rig: str, seen: Screen, causes: Sequence[str], seed: int, per_inertia: bool = False
+) -> RigScores:
     """Returns the screen's scores of effects whose amplitudes are the same in all recordings.
 
     Effects with amplitudes of each recording are left out: what is one recording's is no rig's. So
@@ -23,6 +25,7 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
         seen: the screen of the baseline.
         causes: ids that the rig's own diagnosis names.
         seed: of the draws that tell what coarse readings do.
+        per_inertia: whether the column's inertia is not known, so that torques are per unit of it.
     """
     best = {s.id: s for s in seen.best()}
     named = [best[id] for id in causes if id in best]
@@ -36,7 +39,7 @@ def rig_scores(rig: str, seen: Screen, causes: Sequence[str], seed: int) -> RigS
     variants, at = [], 0
     for s, x in kept:
         effect = s.variant.effect
-        amplitudes = tuple((a.name, a.unit) for a in effect.amplitudes)
+        amplitudes = tuple((a.name, unit_of(a.unit, per_inertia)) for a in effect.amplitudes)
         variants.append(
             ScoredVariant(effect.id, effect.location, s.variant.shapes, amplitudes, at, x)
         )

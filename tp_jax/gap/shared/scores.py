@@ -4,11 +4,13 @@ Efficient scores and information, as `tp_jax.gap.screen` has them: the rig's own
 states of its windows are projected out, so those of several rigs add up.
 """
 
+import collections
 import dataclasses
 import functools
 import io
 import json
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,11 @@ import numpy as np
 
 from tp_jax._files import bytes_of, replaced
 
-FORM = 1
+FORM = 2
 """Form of the files; those of another form count as absent."""
+
+TORQUE = "N m"
+"""Beginning of the units that are in proportion to the column's inertia."""
 
 Key = tuple[str, tuple[tuple[str, float], ...]]
 """An effect at one set of shape constants: the same on all rigs."""
@@ -79,6 +84,34 @@ class RigScores:
     def by_key(self) -> dict[Key, ScoredVariant]:
         """The variants by what names them."""
         return {variant.key: variant for variant in self.variants}
+
+
+def unit_of(unit: str, per_inertia: bool) -> str:
+    """Returns the unit of an amplitude on a rig.
+
+    Args:
+        unit: the effect's. per_inertia: whether the rig's torques are per unit of its inertia.
+    """
+    return f"{unit}/B1" if per_inertia and unit.startswith(TORQUE) else unit
+
+
+def of_like_units(rigs: Sequence[RigScores]) -> list[RigScores]:
+    """Returns the rigs, without effects whose units are not those of most.
+
+    Torques of a rig whose inertia is not known are per unit of it, which no sum takes beside
+    torques. Those of the first rig stay where there are as many of one as of the other.
+    """
+    units = collections.defaultdict(collections.Counter)
+    for rig in rigs:
+        for each in rig.variants:
+            units[each.key][each.amplitudes] += 1
+    usual = {key: count.most_common(1)[0][0] for key, count in units.items()}
+    return [
+        dataclasses.replace(
+            rig, variants=tuple(v for v in rig.variants if v.amplitudes == usual[v.key])
+        )
+        for rig in rigs
+    ]
 
 
 def write(file: Path, scores: RigScores) -> None:

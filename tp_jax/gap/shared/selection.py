@@ -18,7 +18,7 @@ from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.gap.detectability import TIED
 from tp_jax.gap.policy import POLICY, SharedPolicy
 from tp_jax.gap.shared.pooling import Agreement, Pooled, agreement, cosine, pool
-from tp_jax.gap.shared.scores import Key, RigScores
+from tp_jax.gap.shared.scores import Key, RigScores, of_like_units
 from tp_jax.gap.structure import roots
 
 KIND, OWN = "kind", "own"
@@ -73,10 +73,11 @@ def shared_effects(
     """Finds which effects the rigs of a fleet share, and which are some rigs' own.
 
     Args:
-        rigs: their scores.
+        rigs: their scores; an effect is asked of those that have it in the same units.
         seed: of the draws of noise alone.
         policy: what decides.
     """
+    rigs = of_like_units(rigs)
     noise = _noise(rigs, seed, policy.draws)
     named: list[SharedEffect] = []
     first: tuple[Candidate, ...] = ()
