@@ -15,7 +15,7 @@ from jax.custom_batching import custom_vmap
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
-from tp_jax.model.arrays import AnyArray
+from tp_jax.model.arrays import AnyArray, Real
 from tp_jax.model.pendulum import AbstractTorsionPendulum
 from tp_jax.simulation.batch import lanes
 from tp_jax.simulation.control import Control
@@ -49,7 +49,7 @@ def simulate(
     ts: Float[AnyArray, " n"] | Sequence[float],
     y0: Float[AnyArray, " m"] | Sequence[float] | None = None,
     *,
-    tolerance: float = 1e-8,
+    tolerance: Real = 1e-8,
     solver: diffrax.AbstractSolver | None = None,
     max_steps: int = 1_000_000,
 ) -> Trajectory:
