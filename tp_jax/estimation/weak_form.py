@@ -38,6 +38,7 @@ class WeakForm:
 
     def __init__(self, setting: PreparedCampaign):
         self.setting = setting
+        self.sigma = setting.sigma  # a median, which thousands of windows ask for
         self.period = 4.0 * setting.horizons[0]
         self.base = initial_values(setting)
         factor = PRINTED_REACTION if setting.model == "paper" else NEWTON_REACTION
@@ -81,8 +82,8 @@ class WeakForm:
         first = {"k": w.psi, "c1": -w.first, "B2": w.second}
         one = np.stack([*(first.get(n, zero) for n in names), -s.fixed["B1"] * w.second])
         two = np.stack([*(w.second if n == "B2" else zero for n in names), zero])
-        both = s.sigma[0] ** 2 * one @ one.T
-        return (both + s.sigma[1] ** 2 * two @ two.T if s.rider else both)[:-1]
+        both = self.sigma[0] ** 2 * one @ one.T
+        return (both + self.sigma[1] ** 2 * two @ two.T if s.rider else both)[:-1]
 
     @functools.cached_property
     def contact(self) -> tuple[list[tuple[Bump, np.ndarray, float]], float]:
@@ -183,7 +184,7 @@ class WeakForm:
             rising = w.psi @ (-sign * np.expm1(-rate * np.abs(v)))
             y2 = s.prepared[w.recording].y[w.span, 1]
             A.append([-(w.first @ y2), plain, rising if split else plain + rising])
-            noise[i, 0, 0] = s.sigma[1] ** 2 * (w.first @ w.first)
+            noise[i, 0, 0] = self.sigma[1] ** 2 * (w.first @ w.first)
         b = np.array([-B2 * inertia for _, _, inertia in sliding])
         block = np.array([w.block for w, _, _ in sliding])
         return Rows(("Tv", "Ts1" if split else "plain", "Tst"), np.array(A), b, noise, block)
