@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tp_jax.acquisition.clock import LEAST_POINTS, fit_clock
+from tp_jax.acquisition.recorder import correction
 
 SPAN = 60.0
 
@@ -36,6 +37,18 @@ def test_a_skew_is_found_within_10_ppm(kind, skew):
         assert fit.skew_error < 20e-6
         assert 5e4 - 3.0 * fit.offset_error < fit.offset < 5e4 + 2e-3
         assert fit.points == 3000
+
+
+@pytest.mark.parametrize("where", [0.15, 0.55, 0.7, 0.9])
+@pytest.mark.parametrize("jump", [-0.02, 0.02, 1.0, -5.0])
+def test_a_clock_that_jumps_has_no_skew(where, jump):
+    """A computer that sleeps while the rig goes on, for one."""
+    rng = np.random.default_rng(0)
+    rig = np.arange(0.0, SPAN, 0.03)
+    late = rng.exponential(1e-3, rig.size)
+    assert correction(fit_clock(rig, rig + late + jump * (rig > where * SPAN))) == 1.0
+    skew = fit_clock(rig, rig / 1.001 + late)
+    assert correction(skew) == pytest.approx(1.0 / 1.001, abs=2e-5)
 
 
 def test_exact_clocks():

@@ -1,6 +1,7 @@
 """Which rows of a text stream are believed."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,6 +24,19 @@ def test_uniform_rows_pass():
     timeline = Timeline()
     np.testing.assert_array_equal(fed(timeline, t), t)
     assert (timeline.accepted, timeline.lost, timeline.implausible) == (100, 0, 0)
+
+
+@pytest.mark.parametrize(("rate", "unit"), [(2000.0, "milliseconds"), (500.0, "milliseconds")])
+def test_decimals_of_a_millisecond_are_no_seconds(rate, unit):
+    seconds = np.arange(4000) / rate
+    timeline, table = Timeline(), rows(np.round(1e3 * seconds, 1))
+    chunk = int(0.03 * rate)
+    parts = [
+        timeline.feed_rows(table[i : i + chunk], 50.0 + (i + chunk) / rate)
+        for i in range(0, len(table), chunk)
+    ]
+    assert timeline.unit == unit
+    np.testing.assert_allclose(np.concatenate(parts)[:, 0], seconds, atol=1e-9)
 
 
 def test_a_gap_stays_one():

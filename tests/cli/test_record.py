@@ -1,6 +1,8 @@
 """tp-jax record and tp-jax rig serve."""
 
+import contextlib
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -12,9 +14,11 @@ import pytest
 
 from tests.acquisition.swing import emulated
 from tests.waiting import PATIENCE, running, until
+from tp_jax.acquisition.device import Device
+from tp_jax.acquisition.recorder import MAY_STILL_RUN
 from tp_jax.acquisition.run_log import Status
 from tp_jax.cli import main
-from tp_jax.cli.live import plot, screen
+from tp_jax.cli.live import live, plot, screen
 from tp_jax.recordings import load_campaign, read_columns
 
 ROOT = Path(__file__).parents[2]
@@ -53,6 +57,24 @@ def test_a_run_of_the_virtual_rig(tmp_path, capsys):
     assert main([*argv, "--out", str(tmp_path / "b.csv"), "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["samples"]["written"] == 2001
     assert (tmp_path / "b.csv").read_bytes() != before  # another run has other noise
+
+
+@pytest.mark.parametrize("told", [["--quiet"], ["--json", "-"], []])
+def test_a_motor_that_may_still_run_is_told_in_any_case(told, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(Device, "stop", lambda _: False)
+    argv = [*FAST, "--duration", "1", "--omega", "13.09", "--out", str(tmp_path / "r.csv")]
+    assert main([*argv, *told]) == 2
+    assert capsys.readouterr().err == f"tp-jax: {MAY_STILL_RUN}\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
+def test_a_terminal_that_is_closed_does_not_end_the_bookkeeping():
+    master, slave = os.openpty()
+    with os.fdopen(slave, "w") as gone, contextlib.redirect_stderr(gone):
+        with live(quiet=False) as progress:
+            os.close(master)
+            progress(Status(1.0, 2.0, None, 10, 0, 0, False, ("t",), np.zeros((0, 1))))
+        os.dup2(os.open(os.devnull, os.O_WRONLY), slave)
 
 
 def test_a_campaign(tmp_path, capsys):

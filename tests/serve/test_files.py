@@ -297,3 +297,13 @@ def test_faults_of_files_are_told_beside_them(client, folder):
     assert str(folder) not in page
     client.put("/recordings/<b>.txt", content=b"<script>alert(1)</script>\n")
     assert "<script>alert" not in client.get("/").text
+
+
+def test_a_name_that_is_no_text_is_told_beside_it(client, folder):
+    shutil.copy(RUN, os.path.join(os.fsencode(folder), b"m\xe4ssung.csv"))
+    page = client.get("/")
+    assert page.status_code == 200
+    assert "its name is no text in UTF-8; rename the file" in page.text.replace("Its", "its")
+    shutil.copy(RUN, folder / "run.csv")
+    ServedFolder(folder).added("run.csv")
+    assert "run.csv" in (folder / "campaign.toml").read_text()

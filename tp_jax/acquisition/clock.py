@@ -25,6 +25,7 @@ class ClockFit:
     skew: float  # relative rate of the rig's clock, above zero it is fast; 1e-6 is 1 ppm
     offset_error: float
     skew_error: float
+    bend: float  # largest difference of the skew in either half of the recording from that of all
     delay: float  # median delay of the points beyond the shortest [s]
     points: int  # arrivals that were used
 
@@ -59,12 +60,16 @@ def fit_clock(rig: ArrayLike, host: ArrayLike, poll: float = 0.0) -> ClockFit | 
     kept = [fold != k for k in range(_FOLDS)]
     others = [_line_below(x[k], y[k]) for k in kept if np.unique(x[k]).size > 1]
     spread = np.sqrt((len(others) - 1) * np.var(others, axis=0)) if others else np.full(2, np.inf)
+    halves = [
+        _line_below(x[k], y[k])[0] for k in (part[low] < 0.5, part[low] >= 0.5) if k.sum() > 1
+    ]
     hidden = np.hypot(np.median(y - intercept - slope * x), poll / np.sqrt(12.0))
     return ClockFit(
         offset=intercept,
         skew=1.0 / (1.0 + slope) - 1.0,  # host = d + intercept + slope d
         offset_error=float(np.hypot(spread[1], hidden)),
         skew_error=float(np.hypot(spread[0], hidden / span)),
+        bend=max((abs(each - slope) for each in halves), default=0.0),
         delay=float(np.median(delay - intercept - slope * d)),
         points=d.size,
     )

@@ -7,13 +7,18 @@ from typing import Any
 
 import serial
 
+try:
+    from termios import error as TermiosError
+except ImportError:  # Windows
+    TermiosError = OSError
+
 from tp_jax.errors import InputError
 
 # Bytes are let come together for so many seconds before they are read: few wake-ups, little work.
 # After so many at once there is no waiting: the system's buffer holds a few thousand.
 COLLECT, _MANY = 0.03, 1500
 
-_FAULTS = (serial.SerialException, OSError)
+_FAULTS = (serial.SerialException, OSError, TermiosError)  # the last of a port that is hung up
 
 
 class Unplugged(Exception):

@@ -32,6 +32,7 @@ _LOG = logging.getLogger(__name__)
 # does not keep the time that it writes.
 SIGNIFICANT_SKEW, LARGEST_SKEW = 5e-5, 0.2
 SIGNIFICANT_ERRORS = 3.0
+STRAIGHT = 0.8  # part of a skew by which that of a half may differ: more is a jump of a clock
 
 LARGEST_RELEASE = 0.5 * np.pi  # rad; beyond, no bridge tells which turn a run began in
 _STATUS_PERIOD = 0.1
@@ -94,7 +95,8 @@ def correction(fit: ClockFit | None) -> float:
     """Factor on the times of a recording, for the skew of the rig's clock; 1: none.
 
     A skew is corrected where it is larger than the host's own clock may be wrong by, and than
-    three of its standard errors, and no larger than that of the worst oscillator.
+    three of its standard errors, no larger than that of the worst oscillator, and that of both
+    halves. A computer that sleeps while the rig goes on, or a rig's clock that jumps, has no skew.
     """
     if fit is None or abs(fit.skew) <= max(SIGNIFICANT_SKEW, SIGNIFICANT_ERRORS * fit.skew_error):
         return 1.0
@@ -104,7 +106,15 @@ def correction(fit: ClockFit | None) -> float:
             1.0 + fit.skew,
         )
         return 1.0
+    if jumped(fit):
+        _LOG.warning("One of the two clocks jumped; the rig's times are left as they are.")
+        return 1.0
     return 1.0 / (1.0 + fit.skew)
+
+
+def jumped(fit: ClockFit) -> bool:
+    """True where the two clocks did not run at one rate all through."""
+    return fit.bend > STRAIGHT * abs(fit.skew)
 
 
 @contextmanager
@@ -173,8 +183,11 @@ class _Recorder:
             self.stream = self._begin()
         except BaseException:
             # The rig may have begun its run although its answer was never seen.
+            stopped = False
             with uninterrupted(), suppress(Unplugged):
-                self.device.stop()
+                stopped = self.device.stop()
+            if not stopped and self.omega:
+                _LOG.warning(MAY_STILL_RUN)
             raise
         self.log = log = RunLog(self.path, self.port, self.stream, self.settings)
         try:
@@ -325,6 +338,8 @@ class _Recorder:
                 stopped = self.device.stop()
         if not stopped and self.omega and self.stream.kind == "frames":
             log.notes.append(MAY_STILL_RUN)
+            if log.state == "failed":  # then nobody reads the notes
+                _LOG.warning(MAY_STILL_RUN)
         log.close()
 
     def _finished(self) -> Recorded:
@@ -344,6 +359,11 @@ class _Recorder:
                 )
         if omega and identity is not None and identity.drives:
             omega /= factor
-        metadata = log.save(omega, fit, factor)
+        try:
+            metadata = log.save(omega, fit, factor)
+        except OSError as fault:
+            raise InputError(
+                f"Cannot write {metadata_path(self.path)}: {fault.strerror}; {self.path} is whole."
+            ) from fault
         length = log.duration * factor
         return Recorded(self.path, log.state, omega or None, bool(omega), length, metadata)

@@ -4,6 +4,7 @@ The metadata (docs/recording.md shows them) are there from the first sample on a
 `"state": "recording"` until the end, so that a recording that was cut off tells so itself.
 """
 
+import contextlib
 import time
 from array import array
 from collections.abc import Callable, Mapping, Sequence
@@ -206,7 +207,8 @@ class RunLog:
         if self._writer is not None:
             self._writer.close()
             if self.state == "failed":
-                self.save(None)
+                with contextlib.suppress(OSError):  # of a full disk: what was wrong is told already
+                    self.save(None)
 
     def save(
         self, omega: float | None, fit: ClockFit | None = None, factor: float = 1.0

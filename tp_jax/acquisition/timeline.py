@@ -28,6 +28,7 @@ CONFIRMED_AHEAD = 2  # rows of text for the same after a gap
 NEXT = 2.5  # periods within which the next row of text is expected
 LEARNT_FROM, MOST_LOOKED_AT = 8, 2000  # rows of text from which the period is learnt
 UNITS = {"seconds": 1.0, "milliseconds": 1e3, "microseconds": 1e6}
+FAST = 2.0  # seconds that pass in one of the host's clock: then the unit is another
 LISTENED, MOST_LISTENED = 0.5, 3.0  # seconds of the host's clock by which a unit is told
 COUNTERS = 2.0**31, 2.0**32  # counts after which 32 bits wrap; a few drop the highest of them
 WRAPPED_WITHIN = 10.0  # seconds after a wrap within which the next row is looked for
@@ -157,15 +158,19 @@ class Timeline:
         if not last and (len(rows) < LEARNT_FROM or rising.size < LEARNT_FROM // 2):
             return rows[:0]
         period = float(np.median(rising)) if rising.size else 1.0
-        # Nobody samples a pendulum once a second or slower, but a counter of milliseconds looks so.
+        # Nobody samples a pendulum once a second or slower, but a counter of milliseconds looks so;
+        # decimals of a millisecond at a high rate look like seconds that pass too fast.
         # The rows of the first bytes may have waited in a buffer, so they are not counted.
-        if period >= 1.0 and self._listened:
-            (begin, first), (end, _) = self._listened[0], self._listened[-1]
-            span, counted = end - begin, period * int((steps[first - 1 :] > 0.0).sum())
+        begin, first = self._listened[0] if self._listened else (0.0, 1)
+        end = self._listened[-1][0] if self._listened else begin
+        span, counted = end - begin, period * int((steps[first - 1 :] > 0.0).sum())
+        if self._listened and span == 0.0 and not last:
+            return rows[:0]
+        if self._listened and (period >= 1.0 or counted > FAST * span):
             unit = _unit(counted / span) if span > (0.0 if last else LISTENED) else None
             if unit is None and not last and span < MOST_LISTENED:
                 return rows[:0]
-            if unit is None and span > 0.0:
+            if unit is None and span > 0.0 and period >= 1.0:
                 raise InputError(
                     f"The first number of each line rises by {counted / span:.3g} in a second, "
                     "which is no time in seconds, milliseconds or microseconds; print one of these."

@@ -120,6 +120,7 @@ def run_explore(args: argparse.Namespace) -> None:
         )
 
     from tp_jax.acquisition.campaign_entry import check_campaign
+    from tp_jax.acquisition.recorder import MAY_STILL_RUN
     from tp_jax.cli.output import made_folder, new_folder, ready, write_json
 
     ready(args.json)
@@ -150,8 +151,8 @@ def run_explore(args: argparse.Namespace) -> None:
             else:
                 _ask(args, run)
         recorded = recorded_at(args, out, settings, ready)
-        if recorded.fault is None and not args.quiet:
-            for note in recorded.metadata["notes"]:
+        for note in recorded.metadata["notes"] if recorded.fault is None else ():
+            if not args.quiet or note == MAY_STILL_RUN:
                 print(note, file=sys.stderr, flush=True)
         return recorded
 

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -27,12 +27,20 @@ def live(*, quiet: bool) -> "Iterator[Progress | None]":
     from rich.text import Text
 
     console = Console(stderr=True)
-    with Live(console=console, transient=True, refresh_per_second=8) as shown:
+    shown = Live(console=console, transient=True, refresh_per_second=8)
 
-        def report(status: "Status") -> None:
+    def report(status: "Status") -> None:
+        with suppress(OSError):
             shown.update(Text(screen(status, min(WIDTH, console.width - 8))))
 
+    # A terminal that is closed ends the recording, which is then written about all the same.
+    with suppress(OSError):
+        shown.start()
+    try:
         yield report
+    finally:
+        with suppress(OSError):
+            shown.stop()
 
 
 def screen(status: "Status", width: int = WIDTH) -> str:

@@ -119,7 +119,7 @@ def add_line(parser: argparse.ArgumentParser) -> None:
 
 def run_record(args: argparse.Namespace) -> None:
     from tp_jax.acquisition.campaign_entry import append_entry, check_campaign, free_name
-    from tp_jax.acquisition.recorder import check, uninterrupted
+    from tp_jax.acquisition.recorder import MAY_STILL_RUN, check, uninterrupted
     from tp_jax.cli.output import made_folder, ready, write_json
 
     if args.port != EMULATOR:
@@ -148,11 +148,13 @@ def run_record(args: argparse.Namespace) -> None:
         if folder is not None and unfit is None:
             print(f"Added it to {folder / 'campaign.toml'}")
     said = [] if recorded.fault is None else [recorded.fault]
+    if MAY_STILL_RUN in recorded.metadata["notes"] and MAY_STILL_RUN not in " ".join(said):
+        said.append(MAY_STILL_RUN)
     if unfit is not None:
         said.append(f"Not added to the campaign {folder}: {unfit}")
     if recorded.state == "interrupted":
         if said:
-            print(said[0], file=sys.stderr if args.json == "-" else sys.stdout)
+            print(" ".join(said), file=sys.stderr if args.json == "-" else sys.stdout)
         raise KeyboardInterrupt
     if said:
         raise InputError(" ".join(said))
@@ -208,7 +210,9 @@ def recorded_at(
 
 
 def summary(recorded: "Recorded") -> str:
-    """Sums up what was recorded, in a line or three."""
+    """Sums up what was recorded, in a line or three; not that the motor may still run."""
+    from tp_jax.acquisition.recorder import MAY_STILL_RUN
+
     meta = recorded.metadata
     samples, frames, clock = meta["samples"], meta["frames"], meta["clock"]
     kind = "frames" if meta["stream"] == "frames" else "lines"
@@ -216,7 +220,7 @@ def summary(recorded: "Recorded") -> str:
         f"Wrote {recorded.path}: {samples['written']} samples in {recorded.duration:.6g} s, "
         f"{samples['lost']} lost, {frames['corrupt']} corrupt {kind}"
     ]
-    if clock is not None and clock["skew_error"] < WORTH_TELLING:
+    if clock is not None and (clock["applied"] or clock["skew_error"] < WORTH_TELLING):
         done = ", corrected" if clock["applied"] else ""
         lines.append(
             f"The rig's clock is {1e6 * clock['skew']:+.1f} ± {1e6 * clock['skew_error']:.1f} ppm "
@@ -231,7 +235,7 @@ def summary(recorded: "Recorded") -> str:
         if n:
             lines.append(f"{n} readings of {sensor} lie at the end of the converter's range")
     if recorded.fault is None:  # which says it as well
-        lines += meta["notes"]
+        lines += [note for note in meta["notes"] if note != MAY_STILL_RUN]
     return "\n".join(lines)
 
 

@@ -149,7 +149,8 @@ async def _limited(request: Request, most: int) -> bytes:
 
 
 def _html(text: str) -> Response:
-    return Response(text, media_type="text/html")
+    # a file's name need not be text
+    return Response(text.encode("utf-8", "backslashreplace"), media_type="text/html")
 
 
 def _refused(_: Request, fault: Exception) -> Response:

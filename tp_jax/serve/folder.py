@@ -171,6 +171,8 @@ class ServedFolder:
             return known[1]
         if not inside(self.path, path):
             file = File(path, fault=f"{path.name}: it is a link out of the folder; copy the file.")
+        elif path.name != path.name.encode("utf-8", "replace").decode("utf-8"):
+            file = File(path, fault=f"{path.name}: its name is no text in UTF-8; rename the file.")
         else:
             try:
                 found = survey(path)
