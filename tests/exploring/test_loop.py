@@ -83,7 +83,7 @@ def test_it_goes_on_until_the_cause_is_known(rig, tmp_path):
     lab, folder = Lab(rig), tmp_path / "rig"
     explored = lab.explore(folder)
     assert explored.stop.reason == "cause"
-    assert lab.recorded == [Run(release=0.6), Run(omega=9.0), Run(omega=9.0)]
+    assert lab.recorded == [Run(release=0.45), Run(omega=9.0), Run(omega=9.0)]
     assert lab.diagnosed == [1, 2, 3]
     assert [told[:2] for told in lab.told] == list(zip(explored.runs, [1, 2, 3], strict=True))
     campaign = load_campaign(folder)
@@ -127,7 +127,7 @@ def test_runs_are_what_the_campaign_says(rig, tmp_path):
     for said in ("frequency = 2.0", 'omega = 2.0\nunit = "Hz"', "period = 0.5"):
         toml.write_text(text.replace("omega = 9.0", said))
         decay, driven = map(_made_run, entries_of(folder))
-        assert decay == Run(release=0.6)
+        assert decay == Run(release=0.45)
         assert driven == Run(omega=pytest.approx(4.0 * np.pi))
     measured = dataclasses.replace(entries_of(folder)[1], omega=None, measured_drive=True)
     assert _made_run(measured) == Run()

@@ -65,6 +65,7 @@ def test_partly_explained_is_not_called_explained(made):
 def test_a_cause_without_anything_left_is_not_called_a_part(made):
     diagnosis = made("partly")
     diagnosis["gap"]["structure_p_after"] = 0.4
+    diagnosis["causes"][0]["probability"] = 0.7
     said = sentences(diagnosis)
     assert said.heading == "Causes were found, but not for certain"
     assert said.what.startswith("The likeliest causes: ")
@@ -72,10 +73,42 @@ def test_a_cause_without_anything_left_is_not_called_a_part(made):
     assert said.left == ""
 
 
+def test_certain_causes_that_do_not_predict_are_not_called_uncertain(made):
+    diagnosis = made("partly")
+    diagnosis["gap"]["structure_p_after"] = 0.4
+    for cause in diagnosis["causes"]:
+        cause["probability"] = 0.999
+    said = sentences(diagnosis)
+    assert said.heading == "Causes were found, but they do not predict what was not fitted"
+
+
+def test_two_spans_of_one_file_are_told_apart(made):
+    diagnosis = made("no_gap")
+    diagnosis["gap"] |= {"unpredicted": True, "held_out": ["a.txt"]}
+    diagnosis |= {"verdict": "unknown", "where": [], "causes": []}
+    spans = [{"label": "a.txt[0,9]", "held_out": False}, {"label": "a.txt[9,20]", "held_out": True}]
+    said = sentences(diagnosis | {"recordings": spans})
+    assert said.where == "The gap shows in a.txt[9,20] alone."
+
+
+def test_what_to_do_gives_way_to_the_sizes_of_causes(made):
+    diagnosis = made("partly")
+    diagnosis["causes"] *= 2
+    for cause in diagnosis["causes"]:
+        cause["remedy"] = "do something that takes a long sentence to say, " * 6
+    lines = summary(diagnosis).splitlines()
+    assert len(lines) <= 25
+    assert any(line.startswith("cause ") for line in lines)
+    assert not any(line.startswith("What to do") for line in lines)
+
+
 def test_a_gap_that_grew_is_said_to(made):
     diagnosis = made("partly")
     diagnosis["gap"] |= {"shrink": -0.2, "shrink_ci95": None}
     assert "grew by 20 % of what could be removed." in sentences(diagnosis).how_far
+    diagnosis["gap"] |= {"shrink": -0.3, "shrink_ci95": [-0.45, -0.12]}
+    assert "grew by 30 %" in sentences(diagnosis).how_far
+    assert "(95 % interval 12 % to 45 %)" in sentences(diagnosis).how_far
 
 
 def test_a_gap_too_small_to_measure(made):

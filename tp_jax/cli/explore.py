@@ -191,8 +191,10 @@ def line(made: "Made | None", number: int, finding: "Finding") -> str:
         return f"{done}: no gap"
     if finding.first is None:
         return f"{done}: no cause is likely yet"
+    from tp_jax.gap.next_run import shown
+
     kind = "cause" if finding.causes else "candidate"
-    return f"{done}: first {kind} {finding.first}, probability {finding.probability:.3g}"
+    return f"{done}: first {kind} {finding.first}, probability {shown(finding.probability)}"
 
 
 def _diagnoser(args: argparse.Namespace, limits: "Limits") -> "Callable[[Path], Finding]":

@@ -168,8 +168,9 @@ def runs_to_compare(
 def first_run(limits: Limits, policy: ExplorePolicy = POLICY.explore) -> Run:
     """The run that nothing can be predicted for yet.
 
-    A column that is let go swings no further than where it was let go: that keeps any limit. Where
-    nobody can let it go it is driven at the lowest frequency.
+    A column that is let go swings no further than where it was let go, and a rider that slips no
+    further than twice that against the column: half of a limit keeps it. Where nobody can let it go
+    it is driven at the lowest frequency.
 
     Raises:
         ValueError: neither can be done.
@@ -184,7 +185,7 @@ def first_run(limits: Limits, policy: ExplorePolicy = POLICY.explore) -> Run:
 def _first_release(limits: Limits, policy: ExplorePolicy) -> float:
     if limits.angle is None:
         return policy.first_release
-    return min(policy.first_release, policy.margin * limits.angle)
+    return min(policy.first_release, 0.5 * policy.margin * limits.angle)
 
 
 def next_run(
@@ -205,7 +206,7 @@ def next_run(
     if sure:
         id, p = sure[0]
         more = "; something beside it is left" if finding.verdict == "unknown" else ""
-        return Stop(CAUSE, f"The cause is {id}, with probability {_shown(p)}{more}.")
+        return Stop(CAUSE, f"The cause is {id}, with probability {shown(p)}{more}.")
     if finding.verdict == "no_gap" and len(made) >= min(policy.nothing, most):
         return Stop(NONE_LEFT, "The recordings show nothing that the model does not explain.")
     if len(made) >= most:
@@ -345,5 +346,6 @@ def _needed(
     )
 
 
-def _shown(p: float) -> str:
+def shown(p: float) -> str:
+    """Returns a probability for people: none is one."""
     return f"{p:.3g}" if p < 0.999 else "above 0.999"

@@ -101,7 +101,7 @@ def notes(
         said.append("What is named holds part of the gap; what stays is structured still.")
         said += _likeness(anything)
     elif word == "unknown" and there_alone:
-        names = ", ".join(setting.recordings[i].name for i in setting.held_out)
+        names = ", ".join(setting.recordings[i].label for i in setting.held_out)
         said.append(
             f"The fitted recordings leave noise alone, but {names} is not predicted within the "
             "errors of the fitted numbers. What is missing shows there alone, where no effect is "

@@ -125,9 +125,11 @@ def size(value: Any, of: Any, ci95: Any, says: str = "95 % interval ") -> str:
     return f"{told} {unit(of)}".rstrip() + (f" ({says}{interval})" if interval else "")
 
 
-def percents(ci95: Any) -> str:
-    """`96 % to 99 %`, or nothing."""
+def percents(ci95: Any, negated: bool = False) -> str:
+    """`96 % to 99 %`, or nothing; negated: of the opposite, as of a growth where it is a fall."""
     ends = bounds(ci95)
+    if ends is not None and negated:
+        ends = -ends[1], -ends[0]
     return "" if ends is None else f"{percent(ends[0])} to {percent(ends[1])}"
 
 

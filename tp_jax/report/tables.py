@@ -151,7 +151,7 @@ def provenance(diagnosis: DiagnosisRecord) -> Table | None:
         ("model", diagnosis.model),
         ("schema", diagnosis.schema),
         ("recorded", " to ".join(diagnosis.recorded)),
-        ("held out, never fitted", ", ".join(diagnosis.gap.held_out)),
+        ("held out, never fitted", ", ".join(verdict.held_out(diagnosis))),
         ("tp-jax version", found.version),
         ("seed", "" if found.seed is None else str(found.seed)),
         ("computing time", "" if found.wall_s is None else duration(found.wall_s)),
@@ -175,9 +175,10 @@ def scale_line(diagnosis: DiagnosisRecord) -> str:
 
 def shrink_line(diagnosis: DiagnosisRecord) -> str:
     """The shrink with its interval, as a sentence; empty where it is not known."""
-    shrink, interval = diagnosis.gap.shrink, percents(diagnosis.gap.shrink_ci95)
+    shrink = diagnosis.gap.shrink
     if shrink is None:
         return ""
+    interval = percents(diagnosis.gap.shrink_ci95, negated=shrink < 0.0)
     interval = f" (95 % interval {interval})" if interval else ""
     if shrink < 0.0:
         return f"The gap grew by {percent(-shrink)} of what could be removed{interval}."

@@ -24,10 +24,16 @@ def summary(found: Found) -> str:
         at most 25 lines without a line feed at the end, no colours.
     """
     diagnosis = DiagnosisRecord.read(found)
-    lines = [*_verdict(diagnosis), *_gap(diagnosis), *_causes(diagnosis)]
+    tables = [*_gap(diagnosis), *_causes(diagnosis)]
+    lines = [*_verdict(diagnosis), *tables]
     rivals, last = _candidates(diagnosis), _last(diagnosis)
     # Long sentences may fill the space. Then an empty line gives way first, next the causes among
-    # the candidates, which have a table of their own, and at last the least of the candidates.
+    # the candidates, which have a table of their own, then the least of the candidates, and at last
+    # what to do and what is not told apart, which the report has too: the sizes of causes stay.
+    if len(lines) + len(last) > MOST_LINES:
+        lines = [*_verdict(diagnosis, remedy=False), *tables]
+    if len(lines) + len(last) > MOST_LINES:
+        last = _last(diagnosis, groups=False)
     space = MOST_LINES - len(lines)
     if len(rivals) + len(last) > space:
         last = last[1:]
@@ -36,14 +42,14 @@ def summary(found: Found) -> str:
     return "\n".join([*[*lines, *rivals][: MOST_LINES - len(last)], *last])
 
 
-def _verdict(diagnosis: DiagnosisRecord) -> list[str]:
+def _verdict(diagnosis: DiagnosisRecord, remedy: bool = True) -> list[str]:
     said = verdict.sentences(diagnosis)
     name = f"{diagnosis.campaign}: " if diagnosis.campaign else ""
     lines = [name + said.heading]
     what = f"{said.what} {said.tied}".strip()
     for sentence in (said.where, what, f"{said.how_far} {said.agreement}".strip()):
         lines += textwrap.wrap(sentence, WIDTH)
-    lines += textwrap.wrap(f"What to do: {said.remedy}" if said.remedy else "", WIDTH)
+    lines += textwrap.wrap(f"What to do: {said.remedy}" if remedy and said.remedy else "", WIDTH)
     return lines
 
 
@@ -89,14 +95,15 @@ def _candidates(diagnosis: DiagnosisRecord, without: Collection[str] = ()) -> li
     return _table([head[i] for i in said], [[row[i] for i in said] for row in body])
 
 
-def _last(diagnosis: DiagnosisRecord) -> list[str]:
+def _last(diagnosis: DiagnosisRecord, groups: bool = True) -> list[str]:
     lines = []
     # what a cause is not told from stands beside it
-    groups = [group for group in diagnosis.groups if not {*diagnosis.causes} & {*group}]
-    for group in groups[:_MOST_GROUPS]:
+    found = [group for group in diagnosis.groups if not {*diagnosis.causes} & {*group}]
+    found = found if groups else []
+    for group in found[:_MOST_GROUPS]:
         lines.append(_line("These recordings cannot tell apart: " + ", ".join(group)))
-    if len(groups) > _MOST_GROUPS:
-        more = len(groups) - _MOST_GROUPS
+    if len(found) > _MOST_GROUPS:
+        more = len(found) - _MOST_GROUPS
         lines[-1] = _line(f"{lines[-1]}; and {more} more group{'s' if more > 1 else ''}")
     following = verdict.next_experiment(diagnosis)
     if following:

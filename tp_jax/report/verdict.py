@@ -44,6 +44,7 @@ _STARTS = (
 
 _LEVEL = 0.05  # of the test of structure, of what causes leave
 _ALARM = 0.025  # of the same, before
+_CERTAIN = 0.9  # probability from which a cause is
 
 
 class Verdict(NamedTuple):
@@ -94,8 +95,14 @@ def sentences(found: Found) -> Verdict:
     if kind == "unknown" and causes:
         heading = "The gap is explained only in part"
         if _nothing_left(diagnosis):
-            named = "A cause was" if len(causes) == 1 else "Causes were"
-            heading = f"{named} found, but not for certain"
+            one = len(causes) == 1
+            heading = f"{'A cause was' if one else 'Causes were'} found, but not for certain"
+            if all((cause.probability or 0.0) >= _CERTAIN for cause in causes):
+                heading = (
+                    "A cause was found, but it does not predict what was not fitted"
+                    if one
+                    else "Causes were found, but they do not predict what was not fitted"
+                )
     return Verdict(
         heading,
         _where(diagnosis),
@@ -111,7 +118,7 @@ def sentences(found: Found) -> Verdict:
 
 def _where(diagnosis: DiagnosisRecord) -> str:
     if not diagnosis.where and diagnosis.gap.unpredicted:
-        return f"The gap shows in {words.listed([*diagnosis.gap.held_out])} alone."
+        return f"The gap shows in {words.listed(held_out(diagnosis))} alone."
     if not diagnosis.where:
         return "The diagnosis could not say where the gap lies."
     first = diagnosis.where[0]
@@ -121,6 +128,12 @@ def _where(diagnosis: DiagnosisRecord) -> str:
         said += f": {percent(first.share)} of it shows there"
     part = when(first.when or "")
     return f"{said}, {part}." if part else f"{said}."
+
+
+def held_out(diagnosis: DiagnosisRecord) -> list[str]:
+    """The recordings that were held out; two spans of one file have names of their own."""
+    labels = [each.label for each in diagnosis.recordings if each.held_out]
+    return labels or [*diagnosis.gap.held_out]
 
 
 def when(text: str) -> str:
@@ -203,7 +216,7 @@ def _how_far(diagnosis: DiagnosisRecord) -> str:
     if gap.shrink is None:
         return "How far the gap shrinks is not known."
     added = f"With {'them' if len(causes) > 1 else 'it'} in the model, " if causes else ""
-    interval = percents(gap.shrink_ci95)
+    interval = percents(gap.shrink_ci95, negated=gap.shrink < 0.0)
     interval = f" (95 % interval {interval})" if interval else ""
     if gap.shrink < 0.0:
         return words.capital(
@@ -312,5 +325,5 @@ def next_experiment(diagnosis: DiagnosisRecord) -> str:
     else:
         aim = f"tell {words.listed(separates)} apart"
     sigma = plan.expected_sigma
-    by = "" if sigma is None else f" (expected: {sigma:.2g} standard errors)"
+    by = "" if sigma is None else f" (expected: {number(sigma, 2)} standard errors)"
     return f"{said} to {aim}{by}."
