@@ -12,9 +12,10 @@ import pytest
 from tp_jax.checks import CheckPolicy, check, examine
 from tp_jax.checks.drive import shares
 from tp_jax.checks.rider import dragged, misplaced
+from tp_jax.checks.survey import survey
 from tp_jax.cli import main
 from tp_jax.cli.diagnose import EXAMPLE
-from tp_jax.recordings import Campaign, load_campaign
+from tp_jax.recordings import Campaign, CampaignError, load_campaign
 from tp_jax.recordings.encoder import leaps
 
 ROOT = Path(__file__).parents[2]
@@ -66,6 +67,55 @@ def test_a_motor_that_turns_a_little_off_is_let_through():
     far = examine(changed(campaign, lambda r: {"omega": r.omega and 1.1 * r.omega}))
     assert {each.kind for each in far.doubtful} == {"frequency"}
     assert far.wrong == ()
+
+
+@pytest.mark.parametrize("part", [2.0, 3.0])
+def test_half_and_a_third_of_the_frequency_are_told(part):
+    """All the motion is then at a harmonic of what is said, which a good run has too."""
+    campaign = load_campaign(EXAMPLE)
+    found = examine(changed(campaign, lambda r: {"omega": r.omega and r.omega / part}))
+    driven = [r for r in campaign.recordings if r.forced]
+    told = {label for each in found.wrong if each.kind == "frequency" for label in each.recordings}
+    assert {r.label for r in driven} == told
+    first = next(each for each in found.wrong if driven[0].label in each.recordings)
+    assert first.mend.startswith(f"write omega = {driven[0].omega:.4g} if ")
+
+
+@pytest.mark.parametrize(
+    ("scale", "mend"),
+    [(1.0, "write scale = -1 "), (0.5, "write scale = -0.5 "), (-1.0, "remove scale = -1 ")],
+)
+def test_a_mirrored_rider_with_a_scale_of_its_own(scale, mend):
+    def mirrored(r):
+        minus = dataclasses.replace(r.sources["phi2"], scale=scale)
+        return {"phi2": -r.phi2, "sources": {**r.sources, "phi2": minus}}
+
+    found = examine(changed(load_campaign(EXAMPLE), mirrored))
+    assert next(each for each in found.wrong if each.kind == "rider").mend.startswith(mend)
+
+
+def test_milliseconds_are_mended_by_what_is_said(tmp_path):
+    run = next(r for r in load_campaign(EXAMPLE).recordings if r.forced)
+    table = np.column_stack([1e3 * run.t, run.phi1, run.phi2])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="t,phi1,phi2", comments="")
+    toml = tmp_path / "campaign.toml"
+    said = f'[[recording]]\nfile = "a.csv"\nomega = {run.omega}\n'
+    toml.write_text(said)
+    (found,) = check(tmp_path).wrong
+    mend = found.mend.split("as in ")[1].split(", with its")[0]
+    toml.write_text(f"[format.columns]\n{mend}\n\n{said}")
+    checked = check(tmp_path)
+    assert checked.wrong == ()
+    (mended,) = load_campaign(tmp_path).recordings
+    np.testing.assert_allclose(mended.t, run.t, atol=1e-6)
+    assert mended.phi2 is not None
+
+
+def test_times_of_an_unknown_form_are_told(tmp_path):
+    rows = "".join(f"11/23/2026 10:15:30:{i:03d};{i};{i * i % 7}\n" for i in range(100))
+    (tmp_path / "a.csv").write_text(f"t;phi1;phi2\n{rows}")
+    with pytest.raises(CampaignError, match="can be read as a time; write dates as"):
+        survey(tmp_path / "a.csv")
 
 
 def test_clipping_is_told():

@@ -36,7 +36,10 @@ class Mistake:
 _LISTED = 3
 """Numbers that a sentence of several runs shows."""
 
-_T = ' for t under [format.columns], as in t = {{ column = "t", unit = "{unit}" }}'
+_T = (
+    ' for t under [format.columns], as in t = {{ unit = "{unit}" }}, with its column if one stands '
+    "there"
+)
 
 
 def _time(unit: str, name: str) -> Mistake:
@@ -175,8 +178,14 @@ def _look(recording: Recording, policy: DrivePolicy) -> Driven:
     few = omega * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods
     share = fit(t, x, omega, 1 if few else policy.harmonics).share
     if share >= policy.right:
-        return Driven(recording, share)
+        own = share if few else fit(t, x, omega, 1).share
+        if own >= policy.fundamental:
+            return Driven(recording, share)
+        share = own  # it moves at a harmonic of what is said, at half or a third of its omega
     at = strongest(t, x)
+    times = round(at / omega) if omega else 0
+    if times > 1 and abs(at / (times * omega) - 1.0) < policy.near:
+        at = times * omega
     found = []
     for mistake in MISTAKES:
         meant = omega * (mistake.seen or 2.0 * math.pi / omega / omega)

@@ -17,6 +17,8 @@ class DrivePolicy:
         right: share of phi1's variance at them above which nothing is said. Good runs have at
             least 0.83 (clean ones 0.988); clean ones with milliseconds read as seconds 0.006 at
             most, with Hz read as rad/s 0.09.
+        fundamental: of `right`, the share at the frequency itself below which a harmonic of it is
+            the drive's: friction gives a column that is driven odd harmonics of a ninth at most.
         wrong: share below which another frequency is looked for.
         other: share that another frequency must have to be the one that the run was driven at.
         near: part by which a unit's factor may miss it; the motor need not turn as commanded.
@@ -29,6 +31,7 @@ class DrivePolicy:
     part: float = 0.6
     harmonics: int = 3
     right: float = 0.7
+    fundamental: float = 0.1
     wrong: float = 0.3
     other: float = 0.9
     near: float = 0.03

@@ -27,6 +27,8 @@ class Reading:
     mend: str
 
 
+_MIRRORED = "write scale = -1 for phi2 under [format.columns]"
+
 READINGS = (
     Reading(
         lambda h: h - 1.0,
@@ -36,7 +38,7 @@ READINGS = (
     Reading(
         lambda h: -h,
         "phi2 looks mirrored, the rider would gain energy from friction",
-        "write scale = -1 for phi2 under [format.columns]",
+        _MIRRORED,
     ),
     Reading(
         lambda h: -h - 1.0,
@@ -107,7 +109,18 @@ def findings(runs: Sequence[Dragged], policy: RiderPolicy) -> list[Finding]:
                 numbers,
             )
         ]
-    return [Finding("rider", "wrong", labels, likely.wrong, likely.mend, numbers)]
+    mend = _with_scale(likely.mend, runs[0].recording)
+    return [Finding("rider", "wrong", labels, likely.wrong, mend, numbers)]
+
+
+def _with_scale(mend: str, recording: Recording) -> str:
+    """The advice for a file whose phi2 has a scale already: the opposite of that."""
+    source = recording.sources.get("phi2")
+    if source is None or source.scale == 1.0:
+        return mend
+    if source.scale == -1.0 and mend == _MIRRORED:
+        return "remove scale = -1 of phi2 under [format.columns]"
+    return mend.replace("scale = -1", f"scale = {-source.scale:.15g}")
 
 
 def _rms(values: Sequence[float]) -> float:

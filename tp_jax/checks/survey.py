@@ -12,7 +12,7 @@ import numpy as np
 from tp_jax.recordings import clocks, units
 from tp_jax.recordings.cells import parse, split
 from tp_jax.recordings.checks import WIDEST_PHI1
-from tp_jax.recordings.clock_times import has_zone, is_date_or_clock
+from tp_jax.recordings.clock_times import FORMS, has_zone, is_date_or_clock
 from tp_jax.recordings.encoder import leaps, whole_numbers
 from tp_jax.recordings.faults import CampaignError
 from tp_jax.recordings.formats import empty_rows
@@ -113,6 +113,8 @@ def survey(file: Path) -> Survey:
     if len(columns) < 2:
         raise CampaignError(file, "there are no two columns of numbers in it", _MEND)
     which = _which(names, columns)
+    if "t" not in which:
+        raise CampaignError(file, "no column in it can be read as a time", FORMS)
     sources, why, unread = {}, {}, []
     for name, i in which.items():
         column = names[i] if i < len(names) and names.count(names[i]) == 1 else i
@@ -170,14 +172,16 @@ def _which(names: list[str], columns: dict[int, np.ndarray]) -> dict[str, int]:
     if "t" not in found:
         left = [i for i in rising if i not in found.values()]
         left = left or [i for i, x in columns.items() if i not in found.values() and _runs_on(x)]
-        found["t"] = (left or [i for i in columns if i not in found.values()])[0]
+        left = left or [i for i in columns if i not in found.values()]
+        if left:
+            found["t"] = left[0]
     for name in ("phi1", "phi2"):
         # a column that only rises is a number of rows
         left = [i for i in columns if i not in found.values() and i not in rising]
         if name not in found and left:
             found[name] = left[0]
     if "phi1" not in found:
-        found["phi1"] = next(i for i in columns if i != found["t"])
+        found["phi1"] = next(i for i in columns if i != found.get("t"))
     return {name: found[name] for name in NAMES if name in found}
 
 
