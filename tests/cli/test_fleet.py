@@ -9,7 +9,8 @@ import pytest
 from tests.cli import stand_in_rig
 from tests.cli.stand_in_rig import campaign
 from tp_jax.cli import fleet, main
-from tp_jax.cli.fleet import campaigns_of, names_of
+from tp_jax.cli.fleet import campaigns_of, diagnose_rig, names_of
+from tp_jax.errors import InputError
 from tp_jax.executors import Ended, ExecutorChoice
 from tp_jax.executors.calls import Fault
 
@@ -46,6 +47,41 @@ def test_several_campaigns_or_a_folder_of_them_are_a_fleet(here):
     assert campaigns_of(["rigs/unknown-1", "rigs"])[0] == Path("rigs/unknown-1")
     assert len(campaigns_of(["rigs/unknown-1", "rigs"])) == 5, "each once"
     assert campaigns_of(["a.csv", "b.csv"]) == [Path("a.csv"), Path("b.csv")]
+
+
+def test_fits_of_another_program_are_begun_anew(tmp_path, monkeypatch):
+    """An unfinished rig whose fits lead nowhere is not lost, nor is a fault done twice."""
+    rig = fleet.Rig("a", campaign(tmp_path / "a"), tmp_path / "out")
+    rig.folder.mkdir()
+    (rig.folder / fleet.FITS).write_text("of another")
+    asked = []
+
+    def diagnosed(_campaign, _folder, *, resume, **_):
+        asked.append(resume)
+        if resume or "fault" in said:
+            raise InputError("Cannot resume.")
+        return {}
+
+    said = set()
+    monkeypatch.setattr(fleet, "load", lambda *_: None)
+    monkeypatch.setattr(fleet, "diagnosed", diagnosed)
+    monkeypatch.setattr("tp_jax.report.fleet.rows.row", lambda *_: {})
+    diagnose_rig(rig)
+    assert asked == [True, False]
+    assert not (rig.folder / fleet.FITS).exists()
+    said.add("fault")
+    with pytest.raises(InputError):
+        diagnose_rig(rig)
+    assert asked == [True, False, False]
+
+
+def test_the_calibration_of_a_single_file_counts(tmp_path):
+    run = tmp_path / "a.csv"
+    run.write_text("t,phi1\n")
+    rig = fleet.Rig("a", run, tmp_path / "out", omega=1.0)
+    before = fleet._of(rig)
+    (tmp_path / "a.csv.meta.json").write_text("{}")
+    assert fleet._of(rig) != before
 
 
 def test_names_differ_and_name_folders(tmp_path):

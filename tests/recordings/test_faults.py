@@ -273,6 +273,15 @@ def test_turns_that_are_not_counted(spoil, mend, campaign_folder, edit, write_ru
     assert mend in message
 
 
+def test_a_turn_is_told_in_the_files_own_unit(campaign_folder, edit, write_run, run_columns):
+    t, _, phi2 = run_columns
+    half = np.degrees(_winding(t))
+    half -= 180.0 * np.round(half / 180.0)
+    write_run(RUN, "t,phi1 [deg],phi2", t, half, phi2)
+    edit(TOML, "[rig]", "[rig]\nrotates = true")
+    assert "write wrap = 180 for phi1" in told(campaign_folder)
+
+
 def test_a_leap_across_a_gap_is_none(campaign_folder, edit, write_run, run_columns):
     t, _, phi2 = run_columns
     kept = (t < 0.8) | (t > 1.2)

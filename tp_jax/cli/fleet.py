@@ -1,6 +1,7 @@
 """tp-jax diagnose of several campaigns: each in a folder of its own, one table, one page."""
 
 import argparse
+import functools
 import hashlib
 import os
 import re
@@ -111,23 +112,27 @@ def diagnose_rig(rig: Rig) -> dict[str, Any]:
         warnings.simplefilter("always", Notice)
         asked = argparse.Namespace(omega=rig.omega, decay=rig.decay)
         campaign = load(asked, rig.campaign)
-        resume = (rig.folder / FITS).is_file()
+        kept = rig.folder / FITS
+        goes_on = functools.partial(
+            diagnosed,
+            campaign,
+            rig.folder,
+            seed=rig.seed,
+            tolerance=rig.tolerance,
+            without=rig.without,
+            figures=rig.figures,
+            progress=silent,
+            screen=True,
+        )
+        resume = kept.is_file()
         try:
-            result = diagnosed(
-                campaign,
-                rig.folder,
-                seed=rig.seed,
-                tolerance=rig.tolerance,
-                without=rig.without,
-                figures=rig.figures,
-                resume=resume,
-                progress=silent,
-                screen=True,
-            )
+            result = goes_on(resume=resume)
         except InputError:
-            if not resume:  # nothing leads on from there
-                forget(rig.folder / FITS)
-            raise
+            # Nothing leads on from there: the fits may be of other data, settings or program.
+            forget(kept)
+            if not resume:
+                raise
+            result = goes_on(resume=False)
     notices = [
         " ".join(str(each.message).split()) for each in said if issubclass(each.category, Notice)
     ]
@@ -284,6 +289,8 @@ def _of(rig: Rig) -> str:
     for file in _listed(toml):
         beside = metadata_path(file)  # its sensors' calibration, and when it was started
         files += [file, beside] if beside.exists() else [file]
+    if toml.suffix.lower() != ".toml" and metadata_path(toml).exists():  # of a single file
+        files.append(metadata_path(toml))
     for file in files:
         digest.update(os.fsencode(file.name) + b"\0")
         try:

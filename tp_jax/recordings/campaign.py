@@ -222,7 +222,7 @@ def _load(toml: Path, plan: Plan, fault: Callable[[CampaignError], None]) -> Cam
     for entry, recording, thinned in made:
         rate = None if thinned else plan.sample_rate  # which is that of the rows
         try:
-            check_recording(recording, rate, plan.rotates, plan.form.columns, odd)
+            check_recording(recording, rate, plan.rotates, recording.sources, odd)
         except CampaignError as error:
             fault(error)
             continue
