@@ -79,7 +79,7 @@ def test_certain_causes_that_do_not_predict_are_not_called_uncertain(made):
     for cause in diagnosis["causes"]:
         cause["probability"] = 0.999
     said = sentences(diagnosis)
-    assert said.heading == "Causes were found, but they do not predict what was not fitted"
+    assert said.heading == "Causes were found, but they do not explain all of what was not fitted"
 
 
 def test_two_spans_of_one_file_are_told_apart(made):

@@ -183,7 +183,7 @@ def _look(recording: Recording, policy: DrivePolicy) -> Driven:
             return Driven(recording, share)
         share = own  # it moves at a harmonic of what is said, at half or a third of its omega
     at = strongest(t, x)
-    times = round(at / omega) if omega else 0
+    times = round(at / omega) if omega and math.isfinite(at) else 0
     if times > 1 and abs(at / (times * omega) - 1.0) < policy.near:
         at = times * omega
     found = []

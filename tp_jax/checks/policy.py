@@ -18,7 +18,7 @@ class DrivePolicy:
             least 0.83 (clean ones 0.988); clean ones with milliseconds read as seconds 0.006 at
             most, with Hz read as rad/s 0.09.
         fundamental: of `right`, the share at the frequency itself below which a harmonic of it is
-            the drive's: friction gives a column that is driven odd harmonics of a ninth at most.
+            the drive's: dry friction, a square wave, has a ninth of its variance at the third.
         wrong: share below which another frequency is looked for.
         other: share that another frequency must have to be the one that the run was driven at.
         near: part by which a unit's factor may miss it; the motor need not turn as commanded.

@@ -99,9 +99,9 @@ def sentences(found: Found) -> Verdict:
             heading = f"{'A cause was' if one else 'Causes were'} found, but not for certain"
             if all((cause.probability or 0.0) >= _CERTAIN for cause in causes):
                 heading = (
-                    "A cause was found, but it does not predict what was not fitted"
+                    "A cause was found, but it does not explain all of what was not fitted"
                     if one
-                    else "Causes were found, but they do not predict what was not fitted"
+                    else "Causes were found, but they do not explain all of what was not fitted"
                 )
     return Verdict(
         heading,
