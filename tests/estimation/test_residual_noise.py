@@ -8,8 +8,15 @@ import pytest
 from scipy import signal
 
 from tests import noisy
+from tp_jax.estimation.noise_levels import with_noise
 from tp_jax.estimation.prepared_campaign import prepare_campaign
-from tp_jax.estimation.residual_noise import with_residual_noise, without_residual_noise
+from tp_jax.estimation.residual_noise import (
+    _lowered,
+    _under,
+    residual_noise,
+    with_residual_noise,
+    without_residual_noise,
+)
 from tp_jax.estimation.residual_noise_policy import POLICY
 from tp_jax.estimation.restricted_likelihood import Rest, _projected
 from tp_jax.estimation.schedule import fit_over_schedule, refitted
@@ -157,6 +164,24 @@ def test_it_can_be_taken_back(seen, found):
 def test_white_noise_stays_white(right, seed):
     setting, fit = baseline(right, white, seed)
     assert with_residual_noise(setting, fit) is setting
+
+
+def test_a_level_above_that_of_the_residuals_is_lowered(right):
+    """Differences see some of a motion as fast as the sampling, in some recordings more of it."""
+    setting, fit = baseline(right, white)
+    read = setting.levels.copy()
+    read[:, 1] *= [1.0, 1.4, 1.6, 1.8]
+    high = with_noise(setting, read)
+    levels, colours = residual_noise(high, fit)
+    assert levels[:, 0] == pytest.approx(read[:, 0])
+    assert levels[:, 1] == pytest.approx(setting.levels[:, 1], rel=0.12)
+    assert all(c.is_white for pair in colours for c in pair)
+
+    # one that is not fitted has no more than those that are
+    (away,) = (i for i, r in enumerate(setting.recordings) if r.omega == RUNS[2])
+    rest = Rest(high, _under(high, fit), [i for i in high.fitted if i != away], 1, POLICY)
+    lowered = _lowered(read[:, 1], range(len(RUNS)), rest, POLICY)
+    assert lowered[away] == pytest.approx(SIGMA, rel=0.15)
 
 
 @pytest.mark.parametrize("seed", range(2))

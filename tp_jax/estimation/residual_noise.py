@@ -9,6 +9,7 @@ likelihood, for all recordings at one sampling rate together. Near the Nyquist f
 must agree with what high-order differences of the data see: a rest with more is no noise, and what
 there is then counts as gap. But a rest that is of one size in several recordings, whatever moves
 there, and forgets itself within a few samples is noise, of a colour that two numbers do not have.
+Of a motion as fast as the sampling, differences see a part: white noise is lowered to the rest.
 """
 
 import dataclasses
@@ -86,16 +87,19 @@ def residual_noise(
                 continue
             step = float(np.median(np.diff(setting.prepared[mine[0]].t)))
             rest = Rest(setting, fit, mine, c, policy)
-            found = _estimated(rest, step / setting.period, policy)
-            if found is None:
-                continue
-            colour, rise = found
             hidden = [
                 steps_hide(setting.recordings[i].channels[CHANNELS[c]], setting.levels[i, c])
                 for i in mine
             ]
-            if 2 * sum(hidden) > len(hidden):
-                # what goes with the motion was taken out, and is noise all the same
+            # what goes with the motion was taken out, and is noise all the same
+            rounded = 2 * sum(hidden) > len(hidden)
+            found = _estimated(rest, step / setting.period, policy)
+            if found is None:
+                if not rounded:
+                    levels[group, c] = _lowered(levels[group, c], group, rest, policy)
+                continue
+            colour, rise = found
+            if rounded:
                 rise = max(rise, 1.0)
             seen = _seen([setting.recordings[i] for i in mine], c, colour)
             left = float(np.median((rise * setting.levels[mine, c] / seen) ** 2))
@@ -109,6 +113,28 @@ def residual_noise(
         for i in group:
             colours[i] = (pair[0], pair[1])
     return levels, colours
+
+
+def _lowered(
+    levels: np.ndarray, group: Sequence[int], rest: Rest, policy: ResidualNoisePolicy
+) -> np.ndarray:
+    """Levels (g,) [rad] of white noise, no higher than what is left in each recording of a group.
+
+    Of a motion as fast as the sampling, differences see a part and take it for noise. Under too
+    high a level nothing is fitted as closely as it could be, and whatever else is left where the
+    level is right stands out. A recording that is not fitted then has no more than those that are:
+    its differences see as much of the motion as theirs did.
+    """
+    out = np.array(levels)
+    square, free = rest.squares(Colour())
+    low = square < 1.0 - policy.apart - 3.0 * np.sqrt(2.0 / free)
+    at = [list(group).index(i) for i in rest.recordings]
+    if not low.any():
+        return out
+    out[at] = np.where(low, np.sqrt(square), 1.0) * out[at]
+    out = np.minimum(out, out[at].max())
+    log.info("noise of differences lowered to %s of it", np.round(out / levels, 3))
+    return out
 
 
 def _seen(recordings: Sequence[Recording], c: int, colour: Colour) -> np.ndarray:

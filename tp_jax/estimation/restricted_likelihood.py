@@ -42,7 +42,7 @@ class Rest:
         lin, w = fit.linearisation, fit.problem.windows
         n = lin.n_samples
         rows = slice(c, 2 * n, 2)
-        self.parts = []
+        self.parts, self.recordings = [], []
         for i in group:
             mine = np.flatnonzero((w.recording == i) & lin.complete)
             mine = mine[_moving(setting, i, c, w.first[mine], w.count[mine])]
@@ -56,6 +56,7 @@ class Rest:
                 [lin.samples[mine][:, rows, None], _basis(lin.states_jac[mine][:, rows]), F], 2
             )
             self.parts.append((table * inside[:, :, None], inside))
+            self.recordings.append(i)
         self.parts = [self._kept(table, inside, policy) for table, inside in self.parts]
         self.n = sum(int(inside.sum()) for _, inside in self.parts)
 
@@ -70,12 +71,18 @@ class Rest:
         """True where recordings have the same of it under a colour, and it forgets itself soon."""
         if len(self.parts) < policy.recordings or colour.slow > policy.short:
             return False
+        square, free = self.squares(colour)
+        apart = np.abs(square / np.average(square, weights=free) - 1.0)
+        return bool(np.all(apart <= policy.apart + 3.0 * np.sqrt(2.0 / free)))
+
+    def squares(self, colour: Colour) -> tuple[np.ndarray, np.ndarray]:
+        """Mean square (p,) under a colour in each of `recordings`, of so many (p,) free samples."""
         square, free = np.zeros(len(self.parts)), np.zeros(len(self.parts))
         for i, (table, inside) in enumerate(self.parts):
             rss, _, (_, used) = _projected(colour.whiten(table, axis=1) * inside[:, :, None])
-            square[i], free[i] = rss, max(float(inside.sum()) - used, 1.0)
-        apart = np.abs(square / free / (square.sum() / free.sum()) - 1.0)
-        return bool(np.all(apart <= policy.apart + 3.0 * np.sqrt(2.0 / free)))
+            free[i] = max(float(inside.sum()) - used, 1.0)
+            square[i] = rss / free[i]
+        return square, free
 
     def thinned(self, most: int) -> "Rest":
         """Some of its windows, evenly spread over the recordings, of about so many samples."""
