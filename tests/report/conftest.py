@@ -297,6 +297,19 @@ def hollow() -> dict:
     }
 
 
+def fit_with(B1: float) -> dict:
+    """A fit as diagnosis.json keeps it, of a rig of that inertia [kg m^2]."""
+    return {
+        "kind": "single",
+        "reaction": 1.0,
+        "eps": 1e7,
+        "nuisances": {"phase": 0, "gain": 0, "level": 0, "zero1": 0, "zero2": {"a.csv": 0}},
+        "drift": {},
+        "effects": {},
+        "parameters": {"B1": B1, "k": 0.45, "A": 0.17, "c1": 2e-3, "M1": 4e-3},
+    }
+
+
 KINDS = {
     "explained": explained,
     "no_gap": no_gap,

@@ -4,6 +4,7 @@ import copy
 
 import pytest
 
+from tests.report.conftest import fit_with
 from tp_jax.report.comparison import compared, rows, text
 from tp_jax.results.diagnosis import DiagnosisRecord
 
@@ -24,16 +25,7 @@ def per_inertia(content):
 
 def test_a_rig_without_its_inertia_is_no_other_rig(made):
     content = made("explained")
-    fit = {
-        "kind": "single",
-        "reaction": 1.0,
-        "eps": 1e7,
-        "nuisances": {"phase": 0, "gain": 0, "level": 0, "zero1": 0, "zero2": {"a.csv": 0}},
-        "drift": {},
-        "effects": {},
-        "parameters": {"B1": 1.2e-3, "k": 0.45, "A": 0.17, "c1": 2e-3, "M1": 4e-3},
-    }
-    content["fits"] = {"before": fit, "after": None}
+    content["fits"] = {"before": fit_with(1.2e-3), "after": None}
     a, b = map(DiagnosisRecord.read, (content, per_inertia(content)))
     found = compared(a, b)
     assert found["B1"] == [1.2e-3, None]

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from tests.report.browser import Seen, browser
-from tests.report.conftest import KINDS
+from tests.report.conftest import KINDS, fit_with
 from tp_jax.report.fleet.files import csv_text, write_parquet
 from tp_jax.report.fleet.page import render
 from tp_jax.report.fleet.rows import COLUMNS, by_cause, counts, failed, in_order, row
@@ -54,6 +54,28 @@ def test_causes_are_grouped_the_most_frequent_first(rows):
     sizes = [len(group) for group in groups.values()]
     assert sizes == sorted(sizes, reverse=True)
     assert next(iter(groups)) == "contact_stribeck"
+
+
+def without_inertia(name="contact_cogging", unit="N m"):
+    """A rig whose B1 was not given, and the same rig with it, both with a torque as cause."""
+    pair = []
+    for B1 in (1.0, 1.2e-3):
+        one = made()
+        one["causes"][0]["parameters"] = {
+            "a": {"value": 0.3 * B1, "ci95": [0.2 * B1, 0.4 * B1], "unit": unit}
+        }
+        one["causes"][0]["effect"] = name
+        one["fits"] = {"before": fit_with(B1), "after": None}
+        pair.append(row(f"rig-{B1}", one))
+    return pair
+
+
+def test_torques_of_a_rig_whose_inertia_was_not_given_are_per_unit_of_it():
+    assert [one["unit"] for one in without_inertia()] == ["N m/B1", "N m"]
+    assert [one["unit"] for one in without_inertia(unit="rad")] == ["rad", "rad"]
+    page = render(in_order(without_inertia()), "two")
+    assert "0.3 N m/B1" in page.replace("0.300", "0.3")
+    assert "0.150" not in page  # no median of numbers in two units
 
 
 def test_csv_has_all_digits_and_nothing_for_nothing(rows):

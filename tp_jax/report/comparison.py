@@ -20,13 +20,11 @@ from tp_jax.report.formatting import (
     probability,
     size,
 )
+from tp_jax.report.inertia import TORQUES, given, inertia, per_inertia
 from tp_jax.report.verdict import sizes
 from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Size
 
 Row = tuple[str, str, str]
-
-TORQUES = ("N m", "kg m^2")
-"""Beginnings of the units that are in proportion to B1."""
 
 
 def compared(a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
@@ -39,7 +37,7 @@ def compared(a: DiagnosisRecord, b: DiagnosisRecord) -> dict[str, Any]:
     """
     effects = _union(_named(a), _named(b))
     parameters = _union(a.parameters, b.parameters)
-    inertias = [_inertia(each) for each in (a, b)]
+    inertias = [inertia(each) for each in (a, b)]
     return {
         "schema": "tp-jax/compare/1",
         "campaigns": [each.campaign for each in (a, b)],
@@ -73,7 +71,7 @@ def rows(a: DiagnosisRecord, b: DiagnosisRecord) -> list[Row]:
             errors = [getattr(getattr(each.gap, state), kind) for each in both]
             lines.append(_row(f"gap {name}, {told}", [angle(x) for x in errors]))
     lines.append(_row("noise floor", [angle(each.floor) for each in both]))
-    inertias = [_inertia(each) for each in both]
+    inertias = [inertia(each) for each in both]
     shared = _per_inertia(inertias)
     for name in _union(_named(a), _named(b)):
         causes = [_named(each).get(name) for each in both]
@@ -145,25 +143,19 @@ def _cause(cause: Cause | None, B1: float | None) -> str:
         curve = cause.curve
         if curve is not None and curve.y_unit.startswith(TORQUES):
             y = tuple(each / B1 for each in curve.y)
-            curve = dataclasses.replace(curve, y=y, y_unit=f"{curve.y_unit}/B1")
+            curve = dataclasses.replace(curve, y=y, y_unit=per_inertia(curve.y_unit))
             cause = dataclasses.replace(cause, curve=curve)
     return ", ".join([probability(cause.probability), *sizes(cause, "")])
 
 
-def _inertia(diagnosis: DiagnosisRecord) -> float | None:
-    """B1 [kg m^2]; 1 where it was not given, None where the file does not say."""
-    if diagnosis.fits is None:
-        return None
-    return diagnosis.fits.before.parameters.get("B1")
-
-
 def _inertia_told(B1: float) -> str:
-    return "not given, torques are per B1" if B1 == 1.0 else f"{number(B1, 7)} kg m^2"
+    return f"{number(B1, 7)} kg m^2" if given(B1) else "not given, torques are per B1"
 
 
 def _per_inertia(inertias: Sequence[float | None]) -> bool:
     """True where one of two diagnoses was given no B1, and the other was."""
-    return None not in inertias and 1.0 in inertias and inertias[0] != inertias[1]
+    told = [given(B1) for B1 in inertias if B1 is not None]
+    return len(told) == 2 and told[0] != told[1]
 
 
 def _scaled(of: Size, B1: float | None) -> Size:
@@ -172,7 +164,7 @@ def _scaled(of: Size, B1: float | None) -> Size:
     if B1 is None or value is None or not of.unit.startswith(TORQUES):
         return of
     ci95 = None if ends is None else (ends[0] / B1, ends[1] / B1)
-    return dataclasses.replace(of, value=value / B1, ci95=ci95, unit=f"{of.unit}/B1")
+    return dataclasses.replace(of, value=value / B1, ci95=ci95, unit=per_inertia(of.unit))
 
 
 def _parameter(name: str, of: Sequence[Size], inertias: Sequence[float | None]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from tp_jax.report.formatting import (
     unit,
     with_unit,
 )
+from tp_jax.report.inertia import given, inertia
 from tp_jax.results.diagnosis import CHANNELS, DiagnosisRecord, Shift, Size
 
 
@@ -162,12 +163,10 @@ def provenance(diagnosis: DiagnosisRecord) -> Table | None:
 
 def scale_line(diagnosis: DiagnosisRecord) -> str:
     """Says which inertia of the column fixes the scale; empty where it is not known."""
-    if diagnosis.fits is None:
-        return ""
-    B1 = diagnosis.fits.before.parameters.get("B1")
+    B1 = inertia(diagnosis)
     if B1 is None:
         return ""
-    if B1 == 1.0:
+    if not given(B1):
         return "No inertia B1 of the column was given, so torques and stiffness are per unit of B1."
     size = f"{number(B1, 7)} {unit('kg m^2')}"
     return f"The scale is fixed by the column's inertia as it was given: B1 = {size}."

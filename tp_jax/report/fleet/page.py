@@ -139,7 +139,9 @@ def _groups(rows: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, int, str,
         places = sorted({words.location(one["location"]) for one in mine if one["location"]})
         sizes = _range([one["value"] for one in mine], lambda values: [number(x) for x in values])
         parameters = {(one["parameter"], one["unit"]) for one in mine if one["parameter"]}
-        if sizes != MISSING and len(parameters) == 1:
+        if len(parameters) > 1:
+            sizes = MISSING  # torques of some rigs are per unit of their inertia
+        elif sizes != MISSING:
             ((parameter, of),) = parameters
             sizes = f"{parameter} {sizes} {unit(of)}".rstrip()
         shrinks = _range([one["shrink"] for one in mine], lambda values: list(map(percent, values)))

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tp_jax.report.formatting import bounds, finite
+from tp_jax.report.inertia import inertia, unit_under
 from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Found, Size
 
 SCHEMA = "tp-jax/fleet/1"
@@ -40,7 +41,8 @@ COLUMNS: dict[str, type] = {
     "notices": str,
     "error": str,
 }
-"""Of a row. Sizes and the interval's ends are in `unit`, gaps and noise in rad."""
+"""Of a row. Sizes and the interval's ends are in `unit`, gaps and noise in rad. Torques of a rig
+whose B1 was not given are per unit of it: "N m/B1"."""
 
 
 def row(rig: str, found: Found, report: str = "") -> dict[str, Any]:
@@ -74,7 +76,7 @@ def row(rig: str, found: Found, report: str = "") -> dict[str, Any]:
         "other_causes": "; ".join(diagnosis.causes[1:]) or None,
         "parameter": parameter or None,
         "value": finite(size.value),
-        "unit": size.unit or None,
+        "unit": unit_under(inertia(diagnosis), size.unit) or None,
         "value_low": low,
         "value_high": high,
         "shrink": gap.shrink,
