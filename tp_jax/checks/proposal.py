@@ -131,10 +131,24 @@ def may_be_data(name: str) -> bool:
 
 
 def alike(
-    found: Sequence[tuple[Path, Survey]],
+    found: Sequence[tuple[Path, Survey]], model: tuple[Path, Survey] | None = None
 ) -> tuple[list[tuple[Path, Survey]], dict[Path, str]]:
-    """The files whose columns are those of the first one, and of the others a sentence each."""
-    first, seen = found[0]
+    """The files with the same columns, and of the others a sentence each.
+
+    Args:
+        found: files, each with its survey.
+        model: the one whose columns they have; None: one that most are like, or as many with more
+            columns. A list of runs or a calibration may come first in a folder.
+    """
+    if model is None:
+        model = max(
+            found,
+            key=lambda pair: (
+                sum(_alike(pair[1], other) for _, other in found),
+                len(pair[1].sources),
+            ),
+        )
+    first, seen = model
     same = [pair for pair in found if _alike(pair[1], seen)]
     others = {
         file: f"{file}: its columns differ from those of {first.name}; give it a folder and a "

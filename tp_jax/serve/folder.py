@@ -65,7 +65,7 @@ class ServedFolder:
         if not pairs:
             return found
         there = {entry.file for entry in self._entries()}
-        _, others = alike(sorted(pairs, key=lambda pair: pair[0] not in there))
+        _, others = alike(pairs, next((pair for pair in pairs if pair[0] in there), None))
         return [
             replace(file, survey=None, fault=self.told(others[file.path]))
             if file.path in others
