@@ -55,6 +55,7 @@ struct SerialPort {
     }
   }
   void text(const char* s) { write((const uint8_t*)s, strlen(s)); }
+  void print(const char* s) { text(s); }
   void print(char c) { write((const uint8_t*)&c, 1); }
   void print(double x, int digits) { char s[40]; snprintf(s, sizeof s, "%.*f", digits, x); text(s); }
   void println(double x, int digits) { print(x, digits); text("\r\n"); }
