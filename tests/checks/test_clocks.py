@@ -328,6 +328,40 @@ def test_milliseconds_and_microseconds_of_a_driven_run_are_refused(factor, unit,
     is_right(folder)
 
 
+def said_of_t(folder: Path, said: str) -> Path:
+    toml = folder / "campaign.toml"
+    text = toml.read_text(encoding="utf-8")
+    columns = f"[format.columns]\nt = {{ {said} }}\n\n[[recording]]"
+    toml.write_text(text.replace("[[recording]]", columns, 1), encoding="utf-8")
+    return toml
+
+
+@pytest.mark.parametrize(
+    ("said", "factor", "unit"),
+    [('unit = "ms"', 1e6, "us"), ('unit = "us"', 1e9, "ns"), ('unit = "ms"', 1.0, "s")],
+)
+def test_another_unit_than_the_one_that_was_said(said, factor, unit, tmp_path):
+    folder = written(tmp_path, factor * T)
+    toml = said_of_t(folder, said)
+    (wrong,) = check(folder).wrong
+    assert f'write unit = "{unit}"' in wrong.sentence
+    for each in check(folder).doubtful:
+        assert "unit" not in each.mend or f'"{unit}"' in each.mend
+    toml.write_text(
+        toml.read_text(encoding="utf-8").replace(said, f'unit = "{unit}"'), encoding="utf-8"
+    )
+    assert check(folder).findings == ()
+    is_right(folder)
+
+
+def test_a_scale_that_was_said_goes_where_a_unit_comes(tmp_path):
+    folder = written(tmp_path, 1e6 * T)
+    said_of_t(folder, "scale = 1e-3")
+    (wrong,) = check(folder).wrong
+    assert 'write unit = "us"' in wrong.sentence
+    assert "without its scale" in wrong.sentence
+
+
 def test_a_slow_pendulum_with_one_sample_a_second_is_read(tmp_path):
     t = np.arange(600.0)
     write_rows(tmp_path / "a.csv", "t,phi1", t, 0.3 * np.exp(-t / 400) * np.cos(t / 3.0))

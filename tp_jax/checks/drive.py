@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tp_jax.checks import time_units
 from tp_jax.checks.finding import Finding
 from tp_jax.checks.harmonics import end_of, fit, strongest
 from tp_jax.checks.policy import DrivePolicy
 from tp_jax.recordings import Recording
-from tp_jax.recordings.units import FREQUENCY, TIME
+from tp_jax.recordings.units import FREQUENCY
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,15 @@ _T = (
 )
 
 
-def _time(unit: str, name: str) -> Mistake:
-    wrong = f"the times are in {name}"
-    mend = f'write unit = "{unit}"' + _T.replace("{unit}", unit)
-    return Mistake(TIME[unit], wrong, mend, wrong, mend)
+def _times(recording: Recording) -> list[Mistake]:
+    """Units of times but for the one that was said, in the file's header or by the user."""
+    source = time_units.source_of(recording)
+    found = []
+    for unit, seen in time_units.others(source).items():
+        wrong = f"the times are in {time_units.NAMES[unit]}"
+        mend = f'write unit = "{unit}"' + _T.replace("{unit}", unit) + time_units.in_place(source)
+        found.append(Mistake(seen, wrong, mend, wrong, mend))
+    return found
 
 
 ONE_FILE = " (for a single file without a campaign.toml: --omega {right:.6g})"
@@ -62,10 +68,7 @@ def _frequency(unit: str, name: str) -> Mistake:
     )
 
 
-MISTAKES = (
-    _time("ms", "milliseconds"),
-    _time("us", "microseconds"),
-    _time("min", "minutes"),
+FREQUENCIES = (
     _frequency("Hz", "Hz"),
     _frequency("rpm", "turns a minute"),
     _frequency("deg/s", "degrees a second"),
@@ -187,7 +190,7 @@ def _look(recording: Recording, policy: DrivePolicy) -> Driven:
     if times > 1 and abs(at / (times * omega) - 1.0) < policy.near:
         at = times * omega
     found = []
-    for mistake in MISTAKES:
+    for mistake in (*_times(recording), *FREQUENCIES):
         meant = omega * (mistake.seen or 2.0 * math.pi / omega / omega)
         fastest = math.pi / float(np.median(np.diff(t)))
         if meant * (t[-1] - t[0]) < 2.0 * math.pi * policy.periods or meant > fastest:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tp_jax.checks import time_units
 from tp_jax.checks.finding import Finding
 from tp_jax.checks.harmonics import strongest
 from tp_jax.checks.policy import ClipPolicy, SamplingPolicy
@@ -24,8 +25,10 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
         doubt(
             "units",
             f"there are {step:.4g} s between samples, and phi1 swings once in "
-            f"{_period(recording):.4g} s, so that the times are probably in {_NAMES[unit]}",
-            f'write unit = "{unit}" for t under [format.columns] if they are',
+            f"{_period(recording):.4g} s, so that the times are probably in "
+            f"{time_units.NAMES[unit]}",
+            f'write unit = "{unit}" for t under [format.columns]'
+            f"{time_units.in_place(time_units.source_of(recording))} if they are",
             step=step,
         )
     if recording.omega is not None:
@@ -91,9 +94,6 @@ def findings(recording: Recording, policy: SamplingPolicy, clip: ClipPolicy) -> 
     return found
 
 
-_NAMES = {"ms": "milliseconds", "us": "microseconds"}
-
-
 def _period(recording: Recording) -> float:
     """s of a swing, as the drive is said to make it or as it is seen."""
     if recording.omega is not None:
@@ -102,15 +102,17 @@ def _period(recording: Recording) -> float:
 
 
 def _unit_of_time(recording: Recording, step: float, policy: SamplingPolicy) -> str | None:
-    """The unit in which a motion too slow for a pendulum would be a usual one; None: seconds."""
+    """The unit in which a motion too slow for a pendulum would be a usual one; None: as said."""
     period = _period(recording)
     if step <= policy.longest_step and (
         recording.omega is not None or period <= policy.slowest or recording.n < policy.seen
     ):
         return None
     if recording.omega is not None:  # at its omega it may still move too seldom
-        return unit_of_step(step)
-    return "us" if period * TIME["ms"] > policy.slowest else "ms"
+        part = unit_of_step(step)
+    else:
+        part = "us" if period * TIME["ms"] > policy.slowest else "ms"
+    return part and time_units.over_said(time_units.source_of(recording), TIME[part])
 
 
 def stops(angle: np.ndarray, policy: ClipPolicy) -> tuple[int, float]:
