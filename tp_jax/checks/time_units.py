@@ -34,5 +34,5 @@ def over_said(source: ColumnSource, factor: float) -> str | None:
 
 
 def in_place(source: ColumnSource) -> str:
-    """What else is to be changed where the unit is."""
+    """Says that a scale, where one was said, goes when the unit comes."""
     return "" if source.scale == 1.0 else ", without its scale"
