@@ -160,6 +160,30 @@ def test_answers_typed_while_a_file_comes_are_kept(filled):
         assert 'value="13.0899694"' in client.get("/").text
 
 
+def test_a_file_that_cannot_be_read_for_a_moment_keeps_its_answer(filled):
+    served = ServedFolder(filled)
+    served.write(answers_of(answers("", **COMMANDED)))
+    run = filled / "run-13.csv"
+    content = run.read_bytes()
+    run.write_bytes(b"")  # as while something copies it
+    shutil.copy(RUN, filled / "late.csv")
+    served.added("late.csv")
+    toml = filled / "campaign.toml"
+    assert "run-13.csv" not in toml.read_text(encoding="utf-8")
+    run.write_bytes(content)
+    said = served.answers()
+    assert said is not None
+    assert said.driven["run-13.csv"].omega == 13.09
+    assert "run-13.csv" not in said.unused
+    shutil.copy(RUN, filled / "later.csv")
+    served.added("later.csv")
+    omegas = {
+        each["file"]: each.get("omega")
+        for each in tomllib.loads(toml.read_text("utf-8"))["recording"]
+    }
+    assert omegas["run-13.csv"] == 13.09
+
+
 def test_a_campaign_of_ones_own_takes_the_place_of_the_pages(client, folder):
     client.put("/recordings/run-06.csv", content=RUN.read_bytes())
     own = b"[rig]\nB1 = 1.3e-3\n[[recording]]\nfile = 'run-06.csv'\nomega = 6.0\n"

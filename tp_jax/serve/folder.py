@@ -47,6 +47,8 @@ class ServedFolder:
         self._lock = threading.RLock()
         self._seen: dict[Path, tuple[Mark, File]] = {}
         self._checked: tuple[Mark, Checked] | None = None
+        # of files in use: one that cannot be read for a moment goes from the campaign.toml
+        self._given: dict[str, Driven] = {}
 
     @property
     def campaign(self) -> Path:
@@ -83,7 +85,9 @@ class ServedFolder:
             return None
         driven = {each.file.name: _driven(each) for each in plan.entries}
         unused = {each.path.name for each in self.files() if each.survey} - set(driven)
-        return Answers(plan.B1, driven, frozenset(unused), REMARK)
+        if not self.by_hand:
+            unused -= set(self._given)
+        return Answers(plan.B1, {**self._given, **driven}, frozenset(unused), REMARK)
 
     @property
     def by_hand(self) -> bool:
@@ -104,7 +108,10 @@ class ServedFolder:
             found = [(each.path, each.survey) for each in self.files() if each.survey is not None]
             if not any(path.name not in answers.unused for path, _ in found):
                 raise InputError("There is no recording to write about; drop one or more files.")
-            text = written(self.path, found, replace(answers, remark=REMARK))
+            given = self._given | answers.driven
+            kept = {path.name for path in data_files(self.path)} - answers.unused
+            self._given = {name: each for name, each in given.items() if name in kept}
+            text = written(self.path, found, replace(answers, driven=self._given, remark=REMARK))
             try:
                 with replaced(self.campaign) as part:
                     part.write_text(text, encoding="utf-8")
