@@ -108,7 +108,7 @@ class ServedFolder:
             found = [(each.path, each.survey) for each in self.files() if each.survey is not None]
             if not any(path.name not in answers.unused for path, _ in found):
                 raise InputError("There is no recording to write about; drop one or more files.")
-            given = self._given | answers.driven
+            given = {**self._given, **answers.driven}
             kept = {path.name for path in data_files(self.path)} - answers.unused
             self._given = {name: each for name, each in given.items() if name in kept}
             text = written(self.path, found, replace(answers, driven=self._given, remark=REMARK))
