@@ -182,6 +182,14 @@ def test_a_file_that_cannot_be_read_for_a_moment_keeps_its_answer(filled):
         for each in tomllib.loads(toml.read_text("utf-8"))["recording"]
     }
     assert omegas["run-13.csv"] == 13.09
+    # an entry that is taken out of the campaign.toml afterwards stays out
+    text = toml.read_text("utf-8")
+    head, *entries = text.split("[[recording]]")
+    kept = [each for each in entries if "run-13.csv" not in each]
+    toml.write_text("[[recording]]".join([head, *kept]), encoding="utf-8")
+    said = served.answers()
+    assert said is not None
+    assert "run-13.csv" in said.unused
 
 
 def test_a_campaign_of_ones_own_takes_the_place_of_the_pages(client, folder):

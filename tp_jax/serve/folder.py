@@ -47,7 +47,7 @@ class ServedFolder:
         self._lock = threading.RLock()
         self._seen: dict[Path, tuple[Mark, File]] = {}
         self._checked: tuple[Mark, Checked] | None = None
-        # of files in use: one that cannot be read for a moment goes from the campaign.toml
+        # of files in use that could not be read when the campaign.toml was written without them
         self._given: dict[str, Driven] = {}
 
     @property
@@ -108,10 +108,11 @@ class ServedFolder:
             found = [(each.path, each.survey) for each in self.files() if each.survey is not None]
             if not any(path.name not in answers.unused for path, _ in found):
                 raise InputError("There is no recording to write about; drop one or more files.")
-            given = {**self._given, **answers.driven}
-            kept = {path.name for path in data_files(self.path)} - answers.unused
-            self._given = {name: each for name, each in given.items() if name in kept}
-            text = written(self.path, found, replace(answers, driven=self._given, remark=REMARK))
+            driven = {**self._given, **answers.driven}
+            text = written(self.path, found, replace(answers, driven=driven, remark=REMARK))
+            readable = {path.name for path, _ in found}
+            waiting = {path.name for path in data_files(self.path)} - readable - answers.unused
+            self._given = {name: each for name, each in driven.items() if name in waiting}
             try:
                 with replaced(self.campaign) as part:
                     part.write_text(text, encoding="utf-8")
