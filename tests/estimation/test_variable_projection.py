@@ -175,6 +175,27 @@ def test_some_windows_are_as_among_all(setting, fit):
     np.testing.assert_allclose(costs(part), costs(lin)[which], rtol=1e-6)
 
 
+def test_a_window_whose_own_step_spoils_the_fit_does_not_end_it(setting, fit, monkeypatch):
+    problem = setting.problem(setting.horizons[0])
+    begun = fit.values.replace({"k": 1.03 * fit.values.get("k")})
+    states = problem.initial_states(begun)
+    lin = problem.linearise(begun, states, SLOTS)
+    states = settle(problem, begun, states, lin, SLOTS).states
+    states[0, 3] += 0.3  # rad/s
+    linearise = type(problem).linearise
+
+    def misled(self, *args):
+        found = linearise(self, *args)
+        first = (self.windows.recording == 0) & (self.windows.first == 0)
+        found.states_jac[first] *= -1.0  # the way down is the way up, and its state still follows
+        found.slots_jac[first] *= -1.0  # the unknowns as it should
+        return found
+
+    monkeypatch.setattr(type(problem), "linearise", misled)
+    found = variable_projection.fit(problem, begun, fit.unknowns, states, priors=setting.priors())
+    assert found.values.get("k") == pytest.approx(fit.values.get("k"), rel=2e-3)
+
+
 # Robust losses -------------------------------------------------------------------------------
 
 

@@ -10,9 +10,10 @@ from tests.shared_rigs import EFFECTS, NUISANCES, SAMPLES, Rig, fleet, scores_of
 from tp_jax import _tails as tails
 from tp_jax.gap.policy import POLICY
 from tp_jax.gap.shared.pooling import agreement, cosine, pool
-from tp_jax.gap.shared.scores import read, unit_of, write
+from tp_jax.gap.shared.scores import read, write
 from tp_jax.gap.shared.selection import KIND, OWN, shared_effects
 from tp_jax.gap.shared.table import shared_table
+from tp_jax.model.inertia_units import per_inertia
 
 
 def stacked(rigs, own=()):
@@ -48,16 +49,16 @@ def test_a_pooled_effect_is_that_of_least_squares_on_all_readings(key, columns):
 
 def test_torques_of_a_rig_without_inertia_are_not_added_to_those_of_others():
     rigs = scores_of(fleet(0, shared=(0.0, 0.2, 0.0, 0.0, 0.1, -0.1)))
-    per_inertia = tuple(
-        dataclasses.replace(v, amplitudes=tuple((n, unit_of(u, True)) for n, u in v.amplitudes))
+    converted = tuple(
+        dataclasses.replace(v, amplitudes=tuple((n, per_inertia(u)) for n, u in v.amplitudes))
         for v in rigs[0].variants
     )
-    odd = dataclasses.replace(rigs[0], variants=per_inertia, score=1e3 * rigs[0].score)
+    odd = dataclasses.replace(rigs[0], variants=converted, score=1e3 * rigs[0].score)
     found, others = shared_effects([odd, *rigs[1:]]), shared_effects(rigs[1:])
     assert [e.pooled.key for e in found.effects] == [e.pooled.key for e in others.effects]
     for one, other in zip(found.effects, others.effects, strict=True):
         np.testing.assert_allclose(one.pooled.estimate, other.pooled.estimate)
-    alike = [dataclasses.replace(rig, variants=per_inertia) for rig in rigs]
+    alike = [dataclasses.replace(rig, variants=converted) for rig in rigs]
     assert len(shared_effects(alike).effects) == len(shared_effects(rigs).effects) > 0
 
 

@@ -56,8 +56,8 @@ def test_effects_of_the_whole_rig_are_kept(seen):
         ("drag", (("n", 2.0),), slice(3, 4)),
     ]
     assert kept.variants[0].amplitudes == (("a0", "N m"), ("a1", "N m"))
-    per_inertia = rig_scores("a", seen, (), 0, per_inertia=True)
-    assert per_inertia.variants[0].amplitudes == (("a0", "N m/B1"), ("a1", "N m/B1"))
+    without = rig_scores("a", seen, (), 0, B1_given=False)
+    assert without.variants[0].amplitudes == (("a0", "N m/B1"), ("a1", "N m/B1"))
     columns = [0, 1, 5, 6]
     np.testing.assert_allclose(kept.score, seen.total[columns])
     np.testing.assert_allclose(kept.information, seen.information[np.ix_(columns, columns)])

@@ -80,7 +80,7 @@ def _with_screen(campaign: "Campaign", folder: Path, asked: dict[str, Any]) -> d
 
     examination = examine(campaign, **asked)
     found, seen = examination.diagnosis, examination.choice.rounds[0].screen
-    unknown = campaign.B1 is None
-    scores = rig_scores(folder.name, seen, found.causes, asked["seed"], per_inertia=unknown)
+    B1_given = campaign.B1 is not None
+    scores = rig_scores(folder.name, seen, found.causes, asked["seed"], B1_given=B1_given)
     write(made_folder(folder) / SCREEN, scores)
     return found.to_dict()

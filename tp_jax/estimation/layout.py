@@ -16,6 +16,7 @@ from tp_jax.effects.base import HOOKS
 from tp_jax.model.bearing import Bearing
 from tp_jax.model.contact import Contact
 from tp_jax.model.drive import LanewiseDrive
+from tp_jax.model.inertia_units import scales
 from tp_jax.model.parameters import BASE, NUISANCES, SETTINGS, Parameter
 from tp_jax.model.pendulum import (
     AbstractTorsionPendulum,
@@ -81,7 +82,7 @@ class Layout:
                         a.upper,
                         scope=scope,
                         typical=a.typical,
-                        per_inertia="N m" in a.unit,
+                        per_inertia=scales(a.unit),
                     )
                 )
             for s in effect.shapes:

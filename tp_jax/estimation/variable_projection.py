@@ -185,6 +185,10 @@ def fit(
                     damping *= 3.0
                 elif not refused:  # what was too bold just now would be so again
                     damping = max(damping * (0.1 if gain > 0.7 else 0.5), 1e-9)
+            elif np.any(own):
+                # The states' own steps may be to blame: they are long where a window hardly shows
+                # a direction, and what they spoil stays spoilt however short the unknowns' step.
+                own, promised = np.zeros_like(own), 0.0
             elif promise < NOISE * enough or damping > 1e6:
                 converged, message = True, "No direction improves the fit."
                 break

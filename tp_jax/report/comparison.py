@@ -9,6 +9,7 @@ import html
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from tp_jax.model.inertia_units import per_inertia, scales
 from tp_jax.report import words
 from tp_jax.report.formatting import (
     MISSING,
@@ -20,7 +21,7 @@ from tp_jax.report.formatting import (
     probability,
     size,
 )
-from tp_jax.report.inertia import TORQUES, given, inertia, per_inertia
+from tp_jax.report.inertia import given, inertia
 from tp_jax.report.verdict import sizes
 from tp_jax.results.diagnosis import Cause, DiagnosisRecord, Size
 
@@ -141,7 +142,7 @@ def _cause(cause: Cause | None, B1: float | None) -> str:
         parameters = {name: _scaled(each, B1) for name, each in cause.parameters.items()}
         cause = dataclasses.replace(cause, parameters=parameters)
         curve = cause.curve
-        if curve is not None and curve.y_unit.startswith(TORQUES):
+        if curve is not None and scales(curve.y_unit):
             y = tuple(each / B1 for each in curve.y)
             curve = dataclasses.replace(curve, y=y, y_unit=per_inertia(curve.y_unit))
             cause = dataclasses.replace(cause, curve=curve)
@@ -161,7 +162,7 @@ def _per_inertia(inertias: Sequence[float | None]) -> bool:
 def _scaled(of: Size, B1: float | None) -> Size:
     """A torque or an inertia per B1; anything else as it is."""
     value, ends = finite(of.value), bounds(of.ci95)
-    if B1 is None or value is None or not of.unit.startswith(TORQUES):
+    if B1 is None or value is None or not scales(of.unit):
         return of
     ci95 = None if ends is None else (ends[0] / B1, ends[1] / B1)
     return dataclasses.replace(of, value=value / B1, ci95=ci95, unit=per_inertia(of.unit))

@@ -1,9 +1,7 @@
 """The column's inertia in a diagnosis: no angle shows it, and it fixes the scale of all torques."""
 
+from tp_jax.model.inertia_units import per_inertia
 from tp_jax.results.diagnosis import DiagnosisRecord
-
-TORQUES = ("N m", "kg m^2")
-"""Beginnings of the units that are in proportion to B1."""
 
 
 def inertia(diagnosis: DiagnosisRecord) -> float | None:
@@ -21,8 +19,3 @@ def given(B1: float) -> bool:
 def unit_under(B1: float | None, unit: str) -> str:
     """A unit of a diagnosis, with "/B1" behind a torque's where B1 was not given."""
     return per_inertia(unit) if B1 is not None and not given(B1) else unit
-
-
-def per_inertia(unit: str) -> str:
-    """A torque's or an inertia's unit per unit of B1; any other as it is."""
-    return f"{unit}/B1" if unit.startswith(TORQUES) else unit

@@ -7,12 +7,13 @@ import numpy as np
 from tp_jax.effects import Law
 from tp_jax.estimation.normal_equations import efficient_inverse
 from tp_jax.gap.screen import Scored, Screen
-from tp_jax.gap.shared.scores import RigScores, ScoredVariant, unit_of
+from tp_jax.gap.shared.scores import RigScores, ScoredVariant
 from tp_jax.gap.structure import dispersions, scores_of_noise
+from tp_jax.model.inertia_units import per_inertia
 
 
 def rig_scores(
-    rig: str, seen: Screen, causes: Sequence[str], seed: int, per_inertia: bool = False
+    rig: str, seen: Screen, causes: Sequence[str], seed: int, B1_given: bool = True
 ) -> RigScores:
     """Returns the screen's scores of effects whose amplitudes are the same in all recordings.
 
@@ -25,7 +26,7 @@ def rig_scores(
         seen: the screen of the baseline.
         causes: ids that the rig's own diagnosis names.
         seed: of the draws that tell what coarse readings do.
-        per_inertia: whether the column's inertia is not known, so that torques are per unit of it.
+        B1_given: False if the column's inertia is not known, so that torques are per unit of it.
     """
     best = {s.id: s for s in seen.best()}
     named = [best[id] for id in causes if id in best]
@@ -39,7 +40,8 @@ def rig_scores(
     variants, at = [], 0
     for s, x in kept:
         effect = s.variant.effect
-        amplitudes = tuple((a.name, unit_of(a.unit, per_inertia)) for a in effect.amplitudes)
+        units = [a.unit if B1_given else per_inertia(a.unit) for a in effect.amplitudes]
+        amplitudes = tuple(zip((a.name for a in effect.amplitudes), units, strict=True))
         variants.append(
             ScoredVariant(effect.id, effect.location, s.variant.shapes, amplitudes, at, x)
         )

@@ -21,9 +21,6 @@ from tp_jax._files import bytes_of, replaced
 FORM = 2
 """Form of the files; those of another form count as absent."""
 
-TORQUE = "N m"
-"""Beginning of the units that are in proportion to the column's inertia."""
-
 Key = tuple[str, tuple[tuple[str, float], ...]]
 """An effect at one set of shape constants: the same on all rigs."""
 
@@ -84,15 +81,6 @@ class RigScores:
     def by_key(self) -> dict[Key, ScoredVariant]:
         """The variants by what names them."""
         return {variant.key: variant for variant in self.variants}
-
-
-def unit_of(unit: str, per_inertia: bool) -> str:
-    """Returns the unit of an amplitude on a rig.
-
-    Args:
-        unit: the effect's. per_inertia: whether the rig's torques are per unit of its inertia.
-    """
-    return f"{unit}/B1" if per_inertia and unit.startswith(TORQUE) else unit
 
 
 def of_like_units(rigs: Sequence[RigScores]) -> list[RigScores]:
