@@ -8,7 +8,7 @@ BEGINNINGS = ("N m", "kg m^2")
 
 
 def scales(unit: str) -> bool:
-    """Whether a number of this unit is in proportion to B1."""
+    """True if a number of this unit is in proportion to B1."""
     return unit.startswith(BEGINNINGS)
 
 
