@@ -1,5 +1,6 @@
 """Which chosen effects are named: likely ones, whose size is not zero."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,16 +20,37 @@ from tp_jax.results.diagnosis import Errors
 SETTING = standing_in(PreparedCampaign)
 
 
+@dataclasses.dataclass
 class Numbers:
-    """A fit's unknowns, their values, covariance and blocks' degrees of freedom."""
+    """A fit's unknowns, their values, errors that belong together, and blocks' degrees of freedom.
 
-    def __init__(self, sizes=(), sd=(), correlation=0.0, dof=np.inf, bound=(), names=()):
-        self.unknowns = [SimpleNamespace(name=name, recording=None) for name in names]
-        self.at_bound = np.array([name in bound for name in names], bool)
-        own = dict(zip(names, sizes, strict=True))
-        self.values = SimpleNamespace(pick=lambda us: np.array([own[u.name] for u in us]))
-        related = np.where(np.eye(len(names)) > 0.0, 1.0, correlation)
-        self.covariance = np.outer(sd, sd) * related, np.full(len(names), dof)
+    at_bound: which of the unknowns are held.
+    """
+
+    names: list[str]
+    sizes: list[float]
+    sd: list[float]
+    correlation: float
+    dof: float
+    at_bound: np.ndarray
+
+    @property
+    def unknowns(self):
+        return [SimpleNamespace(name=name, recording=None) for name in self.names]
+
+    @property
+    def values(self):
+        own = dict(zip(self.names, self.sizes, strict=True))
+        return SimpleNamespace(pick=lambda us: np.array([own[u.name] for u in us]))
+
+    def covariance(self):
+        """Of those that are not held."""
+        related = np.where(np.eye(len(self.names)) > 0.0, 1.0, self.correlation)
+        every = np.linalg.inv(np.outer(self.sd, self.sd) * related)
+        free = np.ix_(~self.at_bound, ~self.at_bound)
+        out = np.zeros_like(every)
+        out[free] = np.linalg.inv(every[free])
+        return out, np.full(len(self.names), self.dof)
 
 
 def result(*ids, fit=None):
@@ -39,11 +61,13 @@ def result(*ids, fit=None):
 @pytest.fixture
 def sized(monkeypatch):
     """Asks for the size of an effect with given amplitudes."""
-    monkeypatch.setattr(acceptance, "covariance", lambda fit, setting: fit.covariance)
+    monkeypatch.setattr(acceptance, "covariance", lambda fit, setting: fit.covariance())
 
-    def ask(id, *sizes, **how):
-        names = [f"{id}.{a}" for a in "ab"[: len(sizes)]]
-        return has_size(SETTING, result(id, fit=Numbers(sizes, names=names, **how)), id)
+    def ask(id, *sizes, sd, correlation=0.0, dof=np.inf, bound=(), names=("a", "b")):
+        names = [f"{id}.{a}" for a in names[: len(sizes)]]
+        held = np.array([name in bound for name in names], bool)
+        fit = Numbers(names, list(sizes), list(sd), correlation, dof, held)
+        return has_size(SETTING, result(id, fit=fit), id)
 
     return ask
 
@@ -76,6 +100,13 @@ def test_two_amplitudes_are_asked_together(sized):
     # each may be nothing alone where both cannot be
     assert sized("column_tilt", 0.15, 0.15, sd=[0.1, 0.1], correlation=-0.9)
     assert not sized("column_tilt", 0.15, 0.15, sd=[0.1, 0.1], correlation=0.9)
+
+
+def test_a_size_that_another_shape_would_double_is_a_size(sized):
+    """A cable's stiffness and the turn after which it slips: their product is known well."""
+    names = ("a", "z0")
+    assert sized("column_cable", 0.6, 0.04, sd=[0.5, 0.03], correlation=-0.99, names=names)
+    assert not sized("column_cable", 0.6, 0.04, sd=[0.5, 0.03], names=names)
 
 
 def test_amplitudes_of_recordings_have_no_size_of_the_campaign(sized):

@@ -151,7 +151,9 @@ def has_size(setting: PreparedCampaign, result: Refit, id: str) -> bool:
     """True where the amplitudes of a cause are not all zero, by their joint 95 % region.
 
     The coefficients of a learned curve may each be uncertain where the curve is not. An effect
-    whose amplitudes belong to recordings has none of the campaign: then it counts.
+    whose amplitudes belong to recordings has none of the campaign: then it counts. Its shape
+    constants are held: where the amplitudes are zero they mean nothing, and an amplitude that may
+    be larger with another of them (a stiffer cable that slips sooner) is no smaller for that.
     """
     fit = result.fit
     effect = next(v.effect for v in result.variants if v.effect.id == id)
@@ -166,7 +168,9 @@ def has_size(setting: PreparedCampaign, result: Refit, id: str) -> bool:
         return bool(wald(result, variant) > tails.chi_square_level(LEVEL, len(own)))
     if not free:
         return False
-    every, dof = covariance(fit, setting)
+    shapes = {effect.qualified(s.name) for s in effect.shapes}
+    held = fit.at_bound | np.array([u.name in shapes for u in fit.unknowns])
+    every, dof = covariance(dataclasses.replace(fit, at_bound=held), setting)
     size = fit.values.pick([fit.unknowns[i] for i in free])
     square = size @ scaled_inverse(every[np.ix_(free, free)]) @ size
     # of few blocks the region is wider, as an interval is by Student's t
