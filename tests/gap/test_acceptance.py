@@ -9,9 +9,12 @@ import pytest
 from tests.standing_in import standing_in
 from tp_jax.effects import catalogue
 from tp_jax.estimation.fitted import Fit
+from tp_jax.estimation.layout import Unknown
+from tp_jax.estimation.normal_equations import NormalEquations
 from tp_jax.estimation.prepared_campaign import PreparedCampaign
 from tp_jax.gap import acceptance
 from tp_jax.gap.acceptance import has_size, is_worse, least_probable, with_ties
+from tp_jax.gap.backward import wald
 from tp_jax.gap.choice import Choice, Round
 from tp_jax.gap.directions import Variant
 from tp_jax.gap.refit import Refit
@@ -92,6 +95,24 @@ def test_a_size_at_its_upper_bound_is_asked_by_what_it_takes(sized, monkeypatch,
     monkeypatch.setattr(acceptance, "wald", lambda result, variant: rise)
     bound = ["bearing_presliding.a"]
     assert sized("bearing_presliding", 1.0, sd=[0.01], bound=bound) is there
+
+
+def test_no_shape_takes_what_an_amplitude_at_its_bound_does():
+    """A stiffness at its bound and the turn after which the cable slips, beside a friction."""
+    effect = catalogue()["column_cable"]
+    a, z0, friction = (Unknown(n) for n in ("column_cable.a", "column_cable.z0", "M1"))
+    related = np.array([[1.0, -0.99, 0.6], [-0.99, 1.0, 0.0], [0.6, 0.0, 1.0]])
+    normal = NormalEquations(np.zeros(3), 25.0 * related, np.zeros(3))
+    fit = standing_in(
+        Fit,
+        unknowns=(a, z0, friction),
+        chi2_dof=1.0,
+        normal=lambda: normal,
+        values=SimpleNamespace(pick=lambda us: np.array([2.0 for _ in us])),
+    )
+    variant = standing_in(Variant, effect=effect, unknowns=(a,))
+    # of the friction's column .8**2 of its own is left
+    assert wald(Refit(fit, (variant,)), variant) == pytest.approx(2.0**2 * 25.0 * 0.8**2)
 
 
 def test_two_amplitudes_are_asked_together(sized):

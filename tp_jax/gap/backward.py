@@ -123,11 +123,18 @@ def _predicts_better(setting: PreparedCampaign, old: Refit, new: Refit) -> bool:
 
 
 def wald(result: Refit, variant: Variant) -> float:
-    """Rise of the sum of squares over the misfit if a cause's amplitudes were zero, linearised."""
+    """Rise of the sum of squares over the misfit if a cause's amplitudes were zero, linearised.
+
+    Its shape constants are held: without an amplitude none of them can take its place, however
+    much the two trade off where it is large.
+    """
     fit = result.fit
-    mine = [fit.unknowns.index(u) for u in variant.unknowns if u in fit.unknowns]
-    x = fit.values.pick([fit.unknowns[i] for i in mine])
-    covariance = scaled_inverse(fit.information())[np.ix_(mine, mine)]
+    shapes = {variant.effect.qualified(s.name) for s in variant.effect.shapes}
+    asked = [i for i, u in enumerate(fit.unknowns) if u.name not in shapes]
+    unknowns = [fit.unknowns[i] for i in asked]
+    mine = [unknowns.index(u) for u in variant.unknowns if u in unknowns]
+    x = fit.values.pick([unknowns[i] for i in mine])
+    covariance = scaled_inverse(fit.normal().part(asked).information)[np.ix_(mine, mine)]
     return float(x @ scaled_inverse(covariance) @ x) / max(fit.chi2_dof, 1.0)
 
 
