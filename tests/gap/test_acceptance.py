@@ -191,7 +191,7 @@ def test_a_last_cause_is_held_against_the_causes_that_stand_beside_it(
     monkeypatch.setattr(acceptance, "polish", lambda setting, result: result)
     monkeypatch.setattr(acceptance, "refit_with_sharp_friction", sharp)
     ending = lambda choice, final: standing_in(Choice, rounds=rounds, final=final)  # noqa: E731
-    monkeypatch.setattr(acceptance, "_ending", ending)
+    monkeypatch.setattr(Choice, "ending", ending)
     begun = standing_in(Choice, rounds=rounds, final=found)
     choice, dropped = acceptance.without_harm(SETTING, begun, 1.0)
     assert dropped == ("sensor1_nonlinearity",)

@@ -49,7 +49,7 @@ def without_harm(
         if not _predicts_worse(setting, before, choice.final, horizon):
             break
         dropped.append(last.effect.id)
-        choice = _ending(choice, before)
+        choice = choice.ending(before)
     return choice, tuple(dropped)
 
 
@@ -123,21 +123,10 @@ def without_doubt(
                 unnamed.append(least)
                 continue
         gone.append(least)
-        choice = _ending(choice, result)
+        choice = choice.ending(result)
     if set(choice.causes) == set(unnamed):  # nothing is left to be named
-        return _ending(choice, Refit(choice.baseline, ())), probabilities, Doubts((*gone, *unnamed))
+        return choice.ending(Refit(choice.baseline, ())), probabilities, Doubts((*gone, *unnamed))
     return choice, probabilities, Doubts(tuple(gone), tuple(unnamed))
-
-
-def _ending(choice: Choice, final: Refit) -> Choice:
-    """A choice that ends with another model; rounds of causes not in it took nothing."""
-    rounds = tuple(
-        dataclasses.replace(r, taken=None)
-        if r.taken is not None and choice.standing_for(r.taken) not in final.ids
-        else r
-        for r in choice.rounds
-    )
-    return dataclasses.replace(choice, rounds=rounds, final=final)
 
 
 def _offered(

@@ -109,6 +109,16 @@ class Choice:
             return taken
         return next((t.cause for t in self.tested if t.rival == taken), taken)
 
+    def ending(self, final: Refit) -> "Choice":
+        """The choice that ends with another model; rounds of causes not in it took nothing."""
+        rounds = tuple(
+            dataclasses.replace(r, taken=None)
+            if r.taken is not None and self.standing_for(r.taken) not in final.ids
+            else r
+            for r in self.rounds
+        )
+        return dataclasses.replace(self, rounds=rounds, final=final)
+
 
 def choose(
     setting: PreparedCampaign,
@@ -117,6 +127,7 @@ def choose(
     progress: Callable[[str, float | None], None],
     known: Refit | None = None,
     elsewhere: Callable[[Choice], Choice | None] | None = None,
+    so_far: Choice | None = None,
 ) -> Choice:
     """Adds causes one by one while the data inside the fit support them.
 
@@ -128,14 +139,18 @@ def choose(
             rivals; only the way to their optimum is not gone a second time.
         elsewhere: asked once the first round's refits are done, of the choice so far; the choice
             to end with, where something else than effects of the catalogue is the cause.
+        so_far: a choice of causes, with sharp friction, to which others are added.
     """
-    current = Refit(baseline, ())
-    rounds: list[Round] = []
-    tested: list[Tested] = []
     noise_only = max(removable(baseline), 0.0)
-    progress("sharpening the friction", None)
-    sharp = sharp_baseline = refit_with_sharp_friction(setting, current)
-    for n in range(len(REFITTED) + 1):
+    if so_far is None:
+        progress("sharpening the friction", None)
+        current = Refit(baseline, ())
+        sharp = refit_with_sharp_friction(setting, current)
+        so_far = Choice(sharp.fit, (), sharp)
+    else:
+        current = sharp = so_far.final
+    rounds, tested = [*so_far.rounds], [*so_far.tested]
+    for n in range(len(current.ids), len(REFITTED) + 1):
         progress("screening the catalogue", None)
         # In addition to a cause, effects with states take programs of their own: they wait until
         # something is left that others see, as they would (what has a memory looks much like what
@@ -191,7 +206,7 @@ def choose(
             gains[s.id] = gain(reference, left_out_cost(trial.fit), block)
         if n == 0 and elsewhere is not None:
             r = Round(before, current.fit, seen, structure, refits, gains, None)
-            other = elsewhere(Choice(sharp_baseline.fit, (r,), sharp))
+            other = elsewhere(Choice(so_far.baseline, (r,), sharp))
             if other is not None:
                 return other
         if not refits:  # all that apply were ruled out by hand
@@ -268,11 +283,26 @@ def choose(
             progress("sharpening the friction", None)
             sharp_candidate = refit_with_sharp_friction(setting, polished)
         current, sharp = polished, sharp_candidate
+    longer = lengthened(setting, sharp, progress)
+    fewer = longer if longer is sharp else pruned(setting, longer, POLICY.backward)
+    choice = Choice(so_far.baseline, tuple(rounds), longer, tuple(tested))
+    if fewer is longer:
+        return choice
+    # A cause has stood in for another that shows over long times: once it is gone there, the other
+    # is looked for in its place (drag, on the real arm that swings freely).
+    begun = choice.ending(polish(setting, fewer))
+    return choose(setting, baseline, seed, progress, known, so_far=begun)
+
+
+def lengthened(
+    setting: PreparedCampaign, sharp: Refit, progress: Callable[[str, float | None], None]
+) -> Refit:
+    """The final model fitted on longer windows, where something of the gap is left."""
     if sharp.ids and sharp.fit.chi2_dof > LENGTHEN:
         for _ in range(LONGER):
             progress("longer windows", None)
             sharp = refit_longer_windows(setting, sharp)
-    return Choice(sharp_baseline.fit, tuple(rounds), sharp, tuple(tested))
+    return sharp
 
 
 def looked_at(
