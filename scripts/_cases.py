@@ -49,7 +49,7 @@ def _parser() -> Parser:
         metavar="CAMPAIGN",
         nargs="*",
         help="folders with a campaign.toml; default: the example that comes with the package and, "
-        "where they exist, ../shared/examples/* and ../shared/data/pohl_wheel",
+        "where they exist, ../shared/examples/*, ../shared/data/multiarm and pohl_wheel",
     )
     parser.add_argument("--out", metavar="DIR", help="gets NAME.json of each campaign")
     add_seed(parser)
@@ -84,7 +84,8 @@ def _campaigns(paths: Sequence[str]) -> "list[Campaign]":
 
     if paths:
         return [load_campaign(path) for path in paths]
-    found = [EXAMPLE, *sorted((SHARED / "examples").glob("*/")), SHARED / "data" / "pohl_wheel"]
+    real = [SHARED / "data" / name for name in ("multiarm", "pohl_wheel")]
+    found = [EXAMPLE, *sorted((SHARED / "examples").glob("*/")), *real]
     campaigns = [load_campaign(path) for path in found if (path / "campaign.toml").is_file()]
     # the package's example may lie there too
     once = {(c.name, *sorted(c.data_sha256.items())): c for c in reversed(campaigns)}
