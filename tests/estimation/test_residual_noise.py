@@ -21,9 +21,12 @@ from tp_jax.estimation.residual_noise_policy import POLICY
 from tp_jax.estimation.restricted_likelihood import Rest, _projected
 from tp_jax.estimation.schedule import fit_over_schedule, refitted
 from tp_jax.estimation.start import initial_values
+from tp_jax.gap.free_structure import free_structure
+from tp_jax.gap.policy import StructurePolicy
 from tp_jax.recordings import Campaign, Colour, Recording
 from tp_jax.rig import BENCH, VirtualRig
 
+STRUCTURE = StructurePolicy()
 RATE, DURATION, SIGMA, RHO, WHITE = 60.0, 12.0, 2e-3, 0.7, 0.2
 T = np.arange(round(DURATION * RATE) + 1) / RATE
 RUNS = (None, 9.0, 13.0, 16.5)  # rad/s; the first is a decay
@@ -164,6 +167,20 @@ def test_it_can_be_taken_back(seen, found):
 def test_white_noise_stays_white(right, seed):
     setting, fit = baseline(right, white, seed)
     assert with_residual_noise(setting, fit) is setting
+
+
+def test_a_faint_colour_is_noise_and_no_gap(right):
+    """The test of what is left sees a correlation of .075 over 2000 samples."""
+
+    def faint(rng, shape):
+        drive = rng.standard_normal((shape[0] + 50, shape[1]))
+        return signal.lfilter([np.sqrt(1.0 - 0.075**2)], [1.0, -0.075], drive, axis=0)[50:]
+
+    setting, fit = baseline(right, faint)
+    assert free_structure(setting, fit).p < STRUCTURE.alarm
+    found = with_residual_noise(setting, fit)
+    assert found is not setting
+    assert free_structure(found, refitted(found, fit)).p > STRUCTURE.alarm
 
 
 def test_a_level_above_that_of_the_residuals_is_lowered(right):
