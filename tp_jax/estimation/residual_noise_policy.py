@@ -18,9 +18,10 @@ class ResidualNoisePolicy:
         slowest: corner frequency of the noise's filter over the frequency of the motion, at least;
             slower noise and a gap that repeats every period cannot be told apart.
         trimmed: windows that leave more than this many medians are left out: transients.
-        certain: fall of twice the negative log-likelihood from which noise is coloured: 13 comes of
-            white noise once in 650 times. The tests of what is left are at .0014 each (.025 over 18
-            sources); what a higher threshold let pass as white they would take for a gap.
+        certain: fall of twice the negative log-likelihood from which noise is coloured: .0015 by a
+            chi square of two numbers. Each of the tests of what is left (ten sources of errors in
+            two sizes) alarms at .025 / 20; what passes for white up to a higher threshold they
+            take for a gap.
         least: correlation of neighbours below which colour is not worth its trouble, unless it
             raises the error of a mean by `slow`.
         slow: see `least`.
